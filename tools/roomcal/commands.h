@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace roomcal::tools {
+
+// Each add_<noun>_command (in tools/<noun>/<noun>_command.h) puts its subcommand into the program and works from its
+// callback. A callback throws ToolError for what the user must mend (exit 1) and sets exit_code for a verdict that is
+// not PASS (exit 2).
+
+/// All of them, in the order of `roomcal --help`.
+inline void add_commands(CLI::App& app, int& exit_code) {
+  static_cast<void>(app);
+  static_cast<void>(exit_code);
+}
+
+}  // namespace roomcal::tools
