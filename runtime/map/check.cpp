@@ -1,0 +1,178 @@
+#include "runtime/map/check.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <Eigen/Eigenvalues>
+
+#include "runtime/base/crc32c.h"
+#include "runtime/map/room_generated.h"
+#include "runtime/math/types.h"
+
+namespace roomcal::map {
+
+namespace {
+
+constexpr double kUnitTolerance = 1e-5;  // normals are stored as floats
+constexpr double kPsdTolerance = 1e-5;   // of the largest eigenvalue: rounding of the stored floats, with room
+constexpr uint16_t kKnownFlags = kHasNormal | kHasRadius | kNormalEstimated;
+
+constexpr Status corrupt(const char* detail) { return {StatusCode::kCorrupt, detail}; }
+
+bool is_unit(const Vec3& v) { return v.allFinite() && std::abs(v.norm() - 1) < kUnitTolerance; }
+bool is_coordinate(double x_m) { return std::abs(x_m) <= kMaxCoordinate_m; }  // false for NaN as well
+
+template <typename T>
+std::size_t size_of(const flatbuffers::Vector<T>* vector) {
+  return vector == nullptr ? 0 : vector->size();
+}
+
+// The verifier looks at a vector's length field only; elements with 8-byte members may still lie askew.
+template <typename T>
+bool is_aligned(const flatbuffers::Vector<T>* vector, std::size_t alignment) {
+  return vector == nullptr || reinterpret_cast<uintptr_t>(vector->Data()) % alignment == 0;
+}
+
+bool is_positive_semi_definite(const fbs::Cov3f& c) {
+  Mat33 cov;
+  cov << c.xx(), c.xy(), c.xz(), c.xy(), c.yy(), c.yz(), c.xz(), c.yz(), c.zz();
+  if (!cov.allFinite() || cov.cwiseAbs().maxCoeff() > kMaxCoordinate_m) return false;
+  const Eigen::SelfAdjointEigenSolver<Mat33> solver(cov, Eigen::EigenvaluesOnly);
+  return solver.info() == Eigen::Success && solver.eigenvalues()[0] >= -kPsdTolerance * solver.eigenvalues()[2];
+}
+
+Status check_marker(const fbs::Marker& marker, std::size_t planes) {
+  const fbs::Vec3d& p = marker.p_room();
+  if (!is_coordinate(p.x()) || !is_coordinate(p.y()) || !is_coordinate(p.z())) {
+    return corrupt("a marker's position is not finite or beyond 10 km; bake the map again");
+  }
+  if (!is_positive_semi_definite(marker.cov_m2())) {
+    return corrupt("a marker's covariance is not finite or not positive semi-definite; bake the map again");
+  }
+  if ((marker.flags() & ~kKnownFlags) != 0) return corrupt("a marker has unknown flags; bake the map again");
+  const fbs::Vec3f& n = marker.normal_room();
+  const Vec3 normal(n.x(), n.y(), n.z());
+  const bool has_normal = (marker.flags() & kHasNormal) != 0;
+  if (has_normal ? !is_unit(normal) : normal != Vec3::Zero()) {
+    return corrupt("a marker's normal is not finite or not of unit length; bake the map again");
+  }
+  const bool has_radius = (marker.flags() & kHasRadius) != 0;
+  const double radius_m = marker.radius_m();
+  if (has_radius ? !(radius_m > 0 && radius_m <= kMaxRadius_m) : radius_m != 0) {
+    return corrupt("a marker's radius is not finite, not positive or beyond 10 m; bake the map again");
+  }
+  if (marker.plane() != kNoPlane && marker.plane() >= planes) {
+    return corrupt("a marker names a plane that is not in the map; bake the map again");
+  }
+  return ok_status();
+}
+
+Status check_plane(const fbs::Plane& plane) {
+  const fbs::Vec3d& n = *plane.normal_room();
+  if (!is_unit({n.x(), n.y(), n.z()})) return corrupt("a plane's normal is not of unit length; bake the map again");
+  if (!is_coordinate(plane.d_m()) || !(plane.rms_m() >= 0 && is_coordinate(plane.rms_m()))) {
+    return corrupt("a plane's distance is not finite; bake the map again");
+  }
+  if (size_of(plane.outline_room()) > kMaxOutline) return corrupt("a plane's outline has too many vertices");
+  for (std::size_t i = 0; i < size_of(plane.outline_room()); ++i) {
+    const fbs::Vec3f& v = *plane.outline_room()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (!is_coordinate(v.x()) || !is_coordinate(v.y()) || !is_coordinate(v.z())) {
+      return corrupt("a plane's outline is not finite; bake the map again");
+    }
+  }
+  return ok_status();
+}
+
+Status check_triangles(const flatbuffers::Vector<const fbs::Triangle*>* triangles, std::size_t markers) {
+  if (size_of(triangles) > kMaxTriangles) return corrupt("more triangles than a map may have");
+  for (std::size_t i = 0; i < size_of(triangles); ++i) {
+    const fbs::Triangle& t = *triangles->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (t.a() >= markers || t.b() >= markers || t.c() >= markers) {
+      return corrupt("a triangle names a marker that is not in the map; bake the map again");
+    }
+    if (t.a() == t.b() || t.b() == t.c() || t.a() == t.c()) {
+      return corrupt("a triangle names a marker twice; bake the map again");
+    }
+  }
+  return ok_status();
+}
+
+Status check_ring_ratios(const flatbuffers::Vector<float>* ratios) {
+  if (size_of(ratios) > kMaxRingEdges) return corrupt("more ring edges than a marker may have");
+  for (std::size_t i = 0; i < size_of(ratios); ++i) {
+    const auto at = static_cast<flatbuffers::uoffset_t>(i);
+    const bool in_order = i == 0 ? ratios->Get(at) == 1.0F : ratios->Get(at) < ratios->Get(at - 1);
+    if (!in_order || !(ratios->Get(at) > 0))
+      return corrupt("the ring ratios do not descend from 1; bake the map again");
+  }
+  return ok_status();
+}
+
+bool is_layout_sound(const fbs::RoomMap& content) {
+  bool sound = is_aligned(content.markers(), alignof(fbs::Marker));
+  sound = sound && is_aligned(content.triangles(), alignof(fbs::Triangle));
+  for (std::size_t i = 0; sound && i < size_of(content.planes()); ++i) {
+    sound = is_aligned(content.planes()->Get(static_cast<flatbuffers::uoffset_t>(i))->outline_room(), alignof(float));
+  }
+  return sound;
+}
+
+}  // namespace
+
+Status check_header(std::span<const std::byte> bytes, FileHeader& header, std::span<const std::byte>& payload) {
+  if (reinterpret_cast<uintptr_t>(bytes.data()) % alignof(FileHeader) != 0) {
+    return {StatusCode::kInvalidArgument, "the map's bytes are not aligned to 8"};
+  }
+  if (bytes.size() < sizeof header.magic) return corrupt("truncated before the end of the magic; copy the file again");
+  FileHeader read{};
+  std::memcpy(&read, bytes.data(), bytes.size() < sizeof read ? bytes.size() : sizeof read);
+  if (read.magic != kMagic) return {StatusCode::kUnsupported, "not a room map (other magic)"};
+  if (bytes.size() < sizeof read) return corrupt("truncated within the header; copy the file again");
+  // Before the sum: another version may lay its header out in another way.
+  if (read.version != kFormatVersion) {
+    return {StatusCode::kUnsupported, "a room map of another format version; bake it with this release's roomcal"};
+  }
+  if (crc32c(bytes.first(offsetof(FileHeader, header_crc32c))) != read.header_crc32c) {
+    return corrupt("the header's checksum is wrong; copy the file again");
+  }
+  payload = bytes.subspan(sizeof read);
+  if (payload.size() < read.payload_bytes) return corrupt("truncated: shorter than its header says; copy it again");
+  if (payload.size() > read.payload_bytes) return corrupt("bytes follow the content; copy the file again");
+  if (crc32c(payload) != read.payload_crc32c) return corrupt("the content's checksum is wrong; copy the file again");
+  header = read;
+  return ok_status();
+}
+
+const fbs::RoomMap* check_structure(std::span<const std::byte> payload) {
+  const auto* data = reinterpret_cast<const uint8_t*>(payload.data());
+  constexpr flatbuffers::uoffset_t kMaxDepth = 4;                // the schema nests two deep
+  constexpr flatbuffers::uoffset_t kMaxTables = kMaxPlanes + 2;  // root, planes
+  // Its smallest size (root offset and identifier), because the verifier of FlatBuffers 2.0 asserts below it.
+  if (payload.size() < 8 || payload.size() >= FLATBUFFERS_MAX_BUFFER_SIZE) return nullptr;
+  flatbuffers::Verifier verifier(data, payload.size(), kMaxDepth, kMaxTables);
+  if (!fbs::VerifyRoomMapBuffer(verifier)) return nullptr;
+  const fbs::RoomMap* content = fbs::GetRoomMap(data);
+  return is_layout_sound(*content) ? content : nullptr;
+}
+
+Status check_content(const fbs::RoomMap& content) {
+  const std::size_t markers = size_of(content.markers());
+  const std::size_t planes = size_of(content.planes());
+  if (markers == 0) return corrupt("the map holds no marker; bake it again");
+  if (markers > kMaxMarkers) return corrupt("more than 4096 markers; split the room");
+  if (planes > kMaxPlanes) return corrupt("more than 256 planes; bake the map again");
+  for (std::size_t i = 0; i < markers; ++i) {
+    const auto at = static_cast<flatbuffers::uoffset_t>(i);
+    ROOMCAL_TRY(check_marker(*content.markers()->Get(at), planes));
+    if (i > 0 && content.markers()->Get(at)->id() <= content.markers()->Get(at - 1)->id()) {
+      return corrupt("marker ids do not ascend; bake the map again");
+    }
+  }
+  for (std::size_t i = 0; i < planes; ++i) {
+    ROOMCAL_TRY(check_plane(*content.planes()->Get(static_cast<flatbuffers::uoffset_t>(i))));
+  }
+  ROOMCAL_TRY(check_triangles(content.triangles(), markers));
+  return check_ring_ratios(content.ring_ratios());
+}
+
+}  // namespace roomcal::map
