@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+
+#include "runtime/base/fixed_text.h"
+#include "runtime/base/fixed_vector.h"
+#include "runtime/camera/camera.h"
+#include "runtime/math/se3.h"
+
+namespace roomcal::calib {
+
+inline constexpr std::size_t kMaxCameras = 8;
+/// Markers kept per image. A room has some 340; what is beyond is reported, not dropped silently.
+inline constexpr std::size_t kMaxDetections = 512;
+
+/// How far a sensor may sit from its drawing.
+struct NominalMounting {
+  bool known = false;
+  SE3 T_rig_cam;
+  double sigma_rot_rad = 0;  ///< per axis
+  double sigma_t_m = 0;      ///< per axis
+};
+
+struct CameraSpec {
+  SensorName name;
+  camera::Camera camera;
+  NominalMounting nominal;
+};
+
+/// The device as provisioned. The rig frame is the frame of the reference camera.
+struct Device {
+  FixedVector<CameraSpec, kMaxCameras> cameras;
+  std::size_t reference = 0;  ///< number of the reference camera
+};
+
+}  // namespace roomcal::calib

@@ -1,0 +1,35 @@
+#include "runtime/calib/outcome.h"
+
+namespace roomcal::calib {
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "PASS";
+    case Verdict::kPassAdvise:
+      return "PASS_ADVISE";
+    case Verdict::kFailRetry:
+      return "FAIL_RETRY";
+    case Verdict::kFailService:
+      return "FAIL_SERVICE";
+  }
+  return "FAIL_SERVICE";
+}
+
+const char* to_string(Stage stage) {
+  switch (stage) {
+    case Stage::kDetect:
+      return "detect";
+    case Stage::kLocate:
+      return "locate";
+    case Stage::kRefine:
+      return "refine";
+    case Stage::kJudge:
+      return "judge";
+    case Stage::kCount:
+      break;
+  }
+  return "unknown";
+}
+
+}  // namespace roomcal::calib

@@ -1,0 +1,17 @@
+#include "runtime/calib/reason.h"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace roomcal::calib {
+
+Reason make_reason(const char* format, ...) {
+  char text[256];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return Reason(static_cast<const char*>(text));
+}
+
+}  // namespace roomcal::calib

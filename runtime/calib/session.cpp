@@ -1,0 +1,192 @@
+#include "runtime/calib/session.h"
+
+#include <algorithm>
+
+#include "runtime/calib/preflight.h"
+#include "runtime/calib/reason.h"
+
+namespace roomcal::calib {
+
+namespace {
+
+/// Adds the time since its construction to one stage.
+class StageTimer {
+ public:
+  StageTimer(const ports::Clock& clock, Stage stage, Outcome& outcome)
+      : clock_(clock), total_ns_(outcome.stage_ns[static_cast<std::size_t>(stage)]), start_ns_(clock.now_ns()) {}
+  ~StageTimer() { total_ns_ += clock_.now_ns() - start_ns_; }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  const ports::Clock& clock_;
+  int64_t& total_ns_;
+  int64_t start_ns_;
+};
+
+/// "<camera>: <code>: <detail>", for a status that a camera ran into.
+Reason camera_reason(const SensorName& name, const Status& status) {
+  return make_reason("%.*s: %s: %s", static_cast<int>(name.view().size()), name.view().data(), to_string(status.code()),
+                     status.detail());
+}
+
+void begin(const Session& session, std::span<const ImageView> images, Outcome& outcome) {
+  outcome = Outcome();
+  outcome.reference = session.device.reference;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    CameraOutcome camera;
+    camera.name = session.device.cameras[i].name;
+    camera.has_image = !images[i].empty();
+    camera.failure = check_image(session.device.cameras[i], images[i]);
+    static_cast<void>(outcome.cameras.push_back(camera));  // as many as the device's, same capacity
+  }
+}
+
+Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcome) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    CameraOutcome& camera = outcome.cameras[i];
+    if (!camera.failure.empty()) continue;
+    const auto detections = arenas.step.allocate<marker::Detection>(kMaxDetections);
+    if (detections.empty()) return out_of_arena("step arena: no room for detections: reserve plan_memory()");
+    std::size_t count = 0;
+    const Status status = marker::detect(images[i], {}, arenas.scratch, detections, count);
+    if (status.code() == StatusCode::kOutOfMemory) return status;
+    if (!status.ok() && status.code() != StatusCode::kCapacity) camera.failure = camera_reason(camera.name, status);
+    camera.detections = detections.first(count);
+    camera.usable_detections = static_cast<std::size_t>(
+        std::count_if(camera.detections.begin(), camera.detections.end(),
+                      [](const marker::Detection& d) { return d.status == marker::DetectionStatus::kOk; }));
+  }
+  return ok_status();
+}
+
+pose::Observation to_observation(const marker::Detection& detection) {
+  return {detection.centre_px, detection.cov_px2, detection.ellipse.major_px, detection.ellipse.minor_px,
+          detection.ellipse.angle_rad};
+}
+
+Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraOutcome& camera) {
+  const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
+  for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
+  pose::CameraLocation location;
+  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.map, session.index,
+                                            {}, arenas.step, arenas.scratch, location);
+  if (status.code() == StatusCode::kOutOfMemory) return status;
+  if (!status.ok()) {
+    camera.failure = camera_reason(camera.name, status);
+    return ok_status();
+  }
+  camera.located = true;
+  camera.T_room_cam = location.T_room_cam;
+  camera.inliers = location.inliers;
+  camera.coverage = location.coverage;
+  camera.log_likelihood_gap = location.log_likelihood_gap;
+  return ok_status();
+}
+
+Status locate_cameras(const Session& session, Arenas& arenas, Outcome& outcome) {
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+    if (outcome.cameras[i].failure.empty()) ROOMCAL_TRY(locate_one(session, i, arenas, outcome.cameras[i]));
+  return ok_status();
+}
+
+/// The located cameras as one least-squares problem. Spans live in the step arena.
+struct JointProblem {
+  std::span<rig::Landmark> landmarks;  ///< the map's markers, all of them, in its numbering
+  FixedVector<rig::CameraView, kMaxCameras> views;
+};
+
+Status build_problem(const Session& session, Arenas& arenas, Outcome& outcome, JointProblem& problem) {
+  problem.landmarks = arenas.step.allocate<rig::Landmark>(session.map.marker_count());
+  if (problem.landmarks.empty()) return out_of_arena("step arena: no room for landmarks: reserve plan_memory()");
+  for (std::size_t m = 0; m < problem.landmarks.size(); ++m) {
+    const map::MapMarker marker = session.map.marker(m);
+    problem.landmarks[m] = {marker.p_room, marker.cov_m2};
+  }
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
+    CameraOutcome& camera = outcome.cameras[i];
+    if (!camera.located) continue;
+    const auto rings = arenas.step.allocate<rig::RingObservation>(camera.inliers.size());
+    if (rings.empty()) return out_of_arena("step arena: no room for observations: reserve plan_memory()");
+    for (std::size_t k = 0; k < rings.size(); ++k) {
+      const marker::Detection& detection = camera.detections[camera.inliers[k].observation];
+      rings[k] = {detection.centre_px, detection.cov_px2, camera.inliers[k].marker};
+    }
+    camera.view = problem.views.size();
+    static_cast<void>(problem.views.push_back({&session.device.cameras[i].camera, rings, camera.T_room_cam}));
+  }
+  return ok_status();
+}
+
+void take_solution(Outcome& outcome) {
+  const CameraOutcome& reference = outcome.cameras[outcome.reference];
+  for (CameraOutcome& camera : outcome.cameras) {
+    if (!camera.located) continue;
+    camera.T_room_cam = outcome.solution.T_room_cam[camera.view];
+    camera.rms_px = outcome.solution.rms_px[camera.view];
+    if (!reference.located) continue;
+    camera.in_rig = true;
+    if (&camera == &reference) continue;  // the rig frame is its own: identity, exact
+    const rig::RelativePose relative = rig::relative_pose(outcome.solution, reference.view, camera.view);
+    camera.T_rig_cam = relative.T_a_b;
+    camera.cov_rig_cam = relative.cov;
+  }
+}
+
+/// A joint fit that fails leaves no camera located: single poses are not extrinsics with a covariance.
+void drop_all(const Status& status, Outcome& outcome) {
+  for (CameraOutcome& camera : outcome.cameras)
+    if (camera.located) {
+      camera.located = false;
+      camera.failure = camera_reason(camera.name, status);
+    }
+}
+
+Status refine_jointly(const Session& session, Arenas& arenas, Outcome& outcome) {
+  JointProblem problem;
+  ROOMCAL_TRY(build_problem(session, arenas, outcome, problem));
+  if (problem.views.empty()) return ok_status();
+  const Status status =
+      rig::solve_cameras(problem.views.span(), problem.landmarks, {}, arenas.step, arenas.scratch, outcome.solution);
+  if (status.code() == StatusCode::kOutOfMemory) return status;
+  if (status.ok())
+    take_solution(outcome);
+  else
+    drop_all(status, outcome);
+  return ok_status();
+}
+
+Status run(const Session& session, std::span<const ImageView> images, const ports::Clock& clock, Arenas& arenas,
+           Outcome& outcome) {
+  {
+    const StageTimer timer(clock, Stage::kDetect, outcome);
+    begin(session, images, outcome);
+    ROOMCAL_TRY(detect(images, arenas, outcome));
+  }
+  {
+    const StageTimer timer(clock, Stage::kLocate, outcome);
+    ROOMCAL_TRY(locate_cameras(session, arenas, outcome));
+  }
+  {
+    const StageTimer timer(clock, Stage::kRefine, outcome);
+    ROOMCAL_TRY(refine_jointly(session, arenas, outcome));
+  }
+  const StageTimer timer(clock, Stage::kJudge, outcome);
+  judge(session.device, session.limits, outcome);
+  return ok_status();
+}
+
+}  // namespace
+
+Status calibrate(const Session& session, std::span<const ImageView> images, const ports::Clock& clock, Arenas& arenas,
+                 Outcome& outcome) {
+  if (images.size() != session.device.cameras.size() || images.empty()) {
+    outcome = Outcome();
+    return {StatusCode::kInvalidArgument, "one image per camera of the device is needed, empty where one is missing"};
+  }
+  const Status status = run(session, images, clock, arenas, outcome);
+  if (!status.ok()) outcome.verdict = Verdict::kFailService;
+  return status;
+}
+
+}  // namespace roomcal::calib

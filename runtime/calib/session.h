@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "runtime/base/arena.h"
+#include "runtime/base/span2d.h"
+#include "runtime/base/status.h"
+#include "runtime/calib/outcome.h"
+#include "runtime/calib/quality_gate.h"
+#include "runtime/map/room_map.h"
+#include "runtime/map/triangle_index.h"
+#include "runtime/ports/clock.h"
+
+namespace roomcal::calib {
+
+/// What the session was armed with. References outlive the session.
+struct Session {
+  const Device& device;
+  const map::RoomMap& map;
+  const map::TriangleIndex& index;
+  Limits limits;
+};
+
+/// Sizes that a device and a map ask for, bytes; the sum is what the board reserves.
+struct MemoryPlan {
+  std::size_t permanent_bytes = 0;  ///< triangle index
+  std::size_t step_bytes = 0;       ///< detections, correspondences, the joint solution of one shot
+  std::size_t scratch_bytes = 0;    ///< the hungriest single call: detector, locator or solver
+  std::size_t total_bytes() const { return permanent_bytes + step_bytes + scratch_bytes; }
+};
+MemoryPlan plan_memory(const Device& device, const map::RoomMap& map);
+
+/// One shot of images in, judged extrinsics out: detect -> locate cameras -> refine jointly -> judge.
+///
+/// @param images  one per camera of the device, in its order; an empty view stands for a camera without an image.
+/// @param arenas  step is where the outcome's spans live: rewind it before the next shot.
+/// @param[out] outcome  always complete: a shot that cannot be calibrated is a verdict with reasons, not an error.
+/// @return kInvalidArgument if images and cameras differ in number; kOutOfMemory if the arenas are smaller than
+///         plan_memory(): programming errors of the board, not of the room. The outcome is then FAIL_SERVICE.
+Status calibrate(const Session& session, std::span<const ImageView> images, const ports::Clock& clock, Arenas& arenas,
+                 Outcome& outcome);
+
+}  // namespace roomcal::calib
