@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/map/map_command.h"
+
 namespace roomcal::tools {
 
 // Each add_<noun>_command (in tools/<noun>/<noun>_command.h) puts its subcommand into the program and works from its
@@ -10,8 +12,7 @@ namespace roomcal::tools {
 
 /// All of them, in the order of `roomcal --help`.
 inline void add_commands(CLI::App& app, int& exit_code) {
-  static_cast<void>(app);
-  static_cast<void>(exit_code);
+  add_map_command(app, exit_code);
 }
 
 }  // namespace roomcal::tools
