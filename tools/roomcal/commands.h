@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/device/import_command.h"
 #include "tools/map/map_command.h"
+#include "tools/simulate/simulate_command.h"
 
 namespace roomcal::tools {
 
@@ -12,7 +14,9 @@ namespace roomcal::tools {
 
 /// All of them, in the order of `roomcal --help`.
 inline void add_commands(CLI::App& app, int& exit_code) {
+  add_import_command(app, exit_code);
   add_map_command(app, exit_code);
+  add_simulate_command(app, exit_code);
 }
 
 }  // namespace roomcal::tools

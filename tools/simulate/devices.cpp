@@ -1,0 +1,82 @@
+#include "tools/simulate/devices.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "tools/common/error.h"
+
+namespace roomcal::tools {
+
+namespace {
+
+camera::Intrinsics lens(camera::Model model, int width, int height, double f,
+                        const std::array<double, camera::kDistortionCount>& distortion) {
+  return {model, width, height, f, f, (width - 1) / 2.0, (height - 1) / 2.0, distortion};
+}
+
+std::vector<DeviceCamera> cameras(int count, const camera::Intrinsics& nominal) {
+  std::vector<DeviceCamera> all;
+  for (int i = 0; i < count; ++i) all.push_back({fmt::format("cam{}", i), nominal});
+  return all;
+}
+
+constexpr auto kRadtan = camera::Model::kPinholeRadtan;
+constexpr auto kFisheye = camera::Model::kKannalaBrandt;
+
+std::vector<Device> make_devices() {
+  std::vector<Device> devices(4);
+  devices[0] = {"stereo_rig",
+                cameras(2, lens(kRadtan, 1280, 1024, 1745, {-0.11, 0.12, 4e-4, -3e-4})),
+                {{"cam1", "cam0", {0, 0, 0}, {-0.12, 0, 0}}},
+                1.3,
+                -8,
+                true};
+  devices[1] = {"mobile_robot",
+                cameras(4, lens(kFisheye, 1280, 720, 614, {-0.02, 0.005, -0.002, 4e-4})),
+                {{"cam1", "cam0", {0, 90, 0}, {0.0565, 0, 0.0565}},
+                 {"cam2", "cam0", {0, 180, 0}, {0, 0, -0.1129}},
+                 {"cam3", "cam0", {0, -90, 0}, {-0.0565, 0, -0.0565}}},
+                0.8,
+                -2,
+                false};
+  devices[2] = {"backpack",
+                cameras(4, lens(kFisheye, 2304, 3840, 1430, {-0.011, 0.0037, -0.0015, 2e-4})),
+                {{"cam1", "cam0", {0, -90, 0}, {-0.0312, 0, -0.0212}},
+                 {"cam2", "cam0", {0, -180, 0}, {0, 0, -0.0623}},
+                 {"cam3", "cam0", {0, 90, 0}, {0.0312, 0, -0.0312}}},
+                1.7,
+                -2,
+                false};
+  devices[3] = {"tls",
+                cameras(2, lens(kRadtan, 4608, 3456, 3360, {-0.08, 0.055, 3e-4, -2e-4})),
+                {{"cam1", "cam0", {28, 0, 0}, {0, 0.028, 0}}},
+                1.45,
+                0,
+                true};
+  return devices;
+}
+
+}  // namespace
+
+SE3 MountingEdge::T_to_from() const {
+  const Mat33 R = so3_exp(deg_to_rad(euler_xyz_deg.z()) * Vec3::UnitZ()) *
+                  so3_exp(deg_to_rad(euler_xyz_deg.y()) * Vec3::UnitY()) *
+                  so3_exp(deg_to_rad(euler_xyz_deg.x()) * Vec3::UnitX());
+  return {R, t_m};
+}
+
+const std::vector<Device>& known_devices() {
+  static const std::vector<Device> devices = make_devices();
+  return devices;
+}
+
+const Device& device_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Device& device : known_devices()) {
+    if (device.name == name) return device;
+    names.push_back(device.name);
+  }
+  throw ToolError(fmt::format("--device {}: unknown; take one of {}", name, fmt::join(names, ", ")));
+}
+
+}  // namespace roomcal::tools

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/camera/intrinsics.h"
+#include "runtime/math/se3.h"
+
+namespace roomcal::tools {
+
+struct DeviceCamera {
+  std::string name;
+  camera::Intrinsics nominal;
+};
+
+/// Mounting by the drawing, as the paper tabulates it: p_to = R p_from + t, R = Rz(c) Ry(b) Rx(a).
+struct MountingEdge {
+  std::string to;
+  std::string from;
+  Vec3 euler_xyz_deg = Vec3::Zero();
+  Vec3 t_m = Vec3::Zero();
+
+  SE3 T_to_from() const;
+};
+
+/// One of the paper's devices. The LiDARs are not simulated yet.
+struct Device {
+  std::string name;
+  std::vector<DeviceCamera> cameras;  ///< the first is the reference
+  std::vector<MountingEdge> edges;    ///< each camera but the first is the `to` of one edge, in order
+  double height_m = 1;                ///< of the reference camera
+  double pitch_deg = 0;               ///< of the reference camera, upwards positive
+  bool looks_across = false;          ///< a narrow field of view: stands near a wall and looks along the room
+};
+
+/// stereo_rig, mobile_robot, backpack, tls; nominal extrinsics: Fang et al. 2021, tables II to V; lenses: typical.
+const std::vector<Device>& known_devices();
+
+/// @throws ToolError that lists the names.
+const Device& device_named(const std::string& name);
+
+}  // namespace roomcal::tools

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/simulate/scene.h"
+
+namespace roomcal::tools {
+
+/// A plane through `point` with the axes chosen for people: v up on walls, u x v = normal.
+Plane make_plane(const std::string& name, const Vec3& point, const Vec3& normal, double albedo);
+
+/// Corners of one wall of the room, in order: where it meets its neighbours. Cost: O(walls^3), for files.
+std::vector<Vec3> polygon_of(const Scene& scene, const Plane& wall);
+
+/// An upright box.
+Body make_box(const std::string& name, const Vec3& centre, const Vec3& half_size, double yaw_rad, double albedo);
+
+/// Lower bound of the distance from a point to a body; negative inside.
+double clearance(const Body& body, const Vec3& point_room);
+
+/// Whether two rectangles of paper overlap (separating axes).
+bool overlap(const Decal& a, const Decal& b, double gap_m);
+
+}  // namespace roomcal::tools

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "tools/simulate/scene.h"
+
+namespace roomcal::tools {
+
+/// A bundle of rays through one pixel: the central direction and how it turns per pixel.
+struct PixelRays {
+  Vec3 direction = Vec3::UnitZ();
+  Mat32 J_px = Mat32::Zero();
+
+  Vec3 at(double dx_px, double dy_px) const { return direction + J_px.col(0) * dx_px + J_px.col(1) * dy_px; }
+};
+
+/// Where a ray meets the scene. `plane` is null for a ray that leaves it.
+struct Hit {
+  const Plane* plane = nullptr;
+  const Body* body = nullptr;  ///< null for the room itself
+  double distance = 0;         ///< in lengths of the direction
+};
+
+/// Nearest surface along origin + distance * direction, from inside the room.
+/// Cost: a division per plane.
+Hit cast_ray(const Scene& scene, const Vec3& origin, const Vec3& direction);
+
+/// The face by which a ray enters the body, or null.
+Hit cast_at_body(const Body& body, const Vec3& origin, const Vec3& direction);
+
+/// Whether a body stands between two points.
+bool is_hidden(const Scene& scene, const Vec3& from, const Vec3& to);
+
+/// Derivative of the hit's plane coordinates by pixel (2x2, m per px).
+Mat22 footprint_on(const Plane& plane, const PixelRays& rays, double distance);
+
+}  // namespace roomcal::tools

@@ -1,0 +1,140 @@
+#include "tools/simulate/room_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomcal::tools {
+
+namespace {
+constexpr double kEdgeReach_px = 1.0;  // half a pixel's diagonal, and room for what is not linear
+}
+
+LitScene::LitScene(const Scene& scene) : scene_(scene) {
+  uint64_t seed = scene.seed * 1000;
+  const auto add = [&](const Plane& plane) {
+    skins_.push_back(std::make_unique<Skin>(Skin{PaintedPlane(plane, seed += 2), LightMap(scene, plane)}));
+  };
+  for (const Plane& wall : scene.walls) add(wall);
+  for (const Body& body : scene.bodies) {
+    for (const Plane& face : body.faces) add(face);
+  }
+}
+
+const LitScene::Skin& LitScene::skin_of(const Hit& hit) const {
+  if (hit.body == nullptr) return *skins_[static_cast<std::size_t>(hit.plane - scene_.walls.data())];
+  std::size_t index = scene_.walls.size();
+  for (const Body& body : scene_.bodies) {
+    if (&body == hit.body) break;
+    index += body.faces.size();
+  }
+  return *skins_[index + static_cast<std::size_t>(hit.plane - hit.body->faces.data())];
+}
+
+double LitScene::radiance(const Hit& hit, const Vec2& q, const Mat22& footprint, double sample_px,
+                          double& edge_px) const {
+  const Skin& skin = skin_of(hit);
+  const Paint paint = skin.paint.at(q, footprint, sample_px);
+  edge_px = paint.edge_px;
+  return paint.albedo * skin.light.at(q) + lamp_radiance(hit, q);
+}
+
+double LitScene::paper_radiance(const Hit& hit, const Vec2& q) const {
+  return hit.body == nullptr && !hit.plane->decals.empty() ? kPaperAlbedo * skin_of(hit).light.at(q) : -1;
+}
+
+double LitScene::lamp_radiance(const Hit& hit, const Vec2& q) const {
+  if (hit.plane != &scene_.walls.back()) return 0;
+  const Vec3 point_room = hit.plane->point(q);
+  for (const Lamp& lamp : scene_.lamps) {
+    const Vec2 offset = (point_room - lamp.centre).head<2>();
+    const bool on_panel = (lamp.half_size - offset.cwiseAbs()).minCoeff() > 0;
+    if (on_panel) return lamp.intensity / (4 * lamp.half_size.prod());
+  }
+  return 0;
+}
+
+RoomView::RoomView(const LitScene& lit, const camera::Camera& camera, const SE3& T_room_cam)
+    : lit_(lit), camera_(camera), T_room_cam_(T_room_cam) {}
+
+bool RoomView::rays_of(double x, double y, PixelRays& rays_room) const {
+  Vec3 bearing_cam;
+  Mat32 J_px;
+  if (!camera_.unproject(Vec2(x, y), bearing_cam, &J_px).ok()) return false;
+  rays_room = {T_room_cam_.R * bearing_cam, T_room_cam_.R * J_px};
+  return true;
+}
+
+bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
+  const Scene& scene = lit_.scene();
+  const Vec3 point = T_room_cam_.t + hit.distance * rays.direction;
+  const double metres_per_px = hit.distance * rays.J_px.norm();
+  const double reach = kEdgeReach_px * metres_per_px / std::max(0.02, -hit.plane->normal.dot(rays.direction));
+  if (hit.body == nullptr) {
+    for (const Plane& wall : scene.walls) {
+      if (&wall != hit.plane && wall.signed_distance(point) < reach) return true;
+    }
+  }
+  for (const Body& body : scene.bodies) {
+    const Hit at_centre = cast_at_body(body, T_room_cam_.t, rays.direction);
+    for (const double dx : {-0.5, 0.5}) {
+      for (const double dy : {-0.5, 0.5}) {
+        if (cast_at_body(body, T_room_cam_.t, rays.at(dx, dy)).plane != at_centre.plane) return true;
+      }
+    }
+  }
+  return false;
+}
+
+double RoomView::shade(const Hit& hit, const PixelRays& rays, double sample_px, double& edge_px) const {
+  const Vec2 q = hit.plane->coordinates(T_room_cam_.t + hit.distance * rays.direction);
+  return lit_.radiance(hit, q, footprint_on(*hit.plane, rays, hit.distance), sample_px, edge_px);
+}
+
+void RoomView::sample(int x, int y, PixelSamples& samples) const {
+  PixelRays rays;
+  samples.fill(0);
+  if (!rays_of(x, y, rays)) return;
+  const Hit hit = cast_ray(lit_.scene(), T_room_cam_.t, rays.direction);
+  if (hit.plane == nullptr) return;
+  double edge_px = 0;
+  const double value = shade(hit, rays, 1, edge_px);
+  const bool outline = has_outline(hit, rays);
+  if (edge_px > kEdgeReach_px && !outline) {
+    samples.fill(static_cast<float>(value));
+    return;
+  }
+  for (int j = 0; j < kSub; ++j) {
+    for (int i = 0; i < kSub; ++i) {
+      const PixelRays part{rays.at(sub_offset_px(i), sub_offset_px(j)), rays.J_px};
+      Hit part_hit = hit;
+      if (outline) {
+        part_hit = cast_ray(lit_.scene(), T_room_cam_.t, part.direction);
+      } else {
+        part_hit.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(part.direction);
+      }
+      samples[static_cast<std::size_t>(j * kSub + i)] = static_cast<float>(shade(part_hit, part, 1.0 / kSub, edge_px));
+    }
+  }
+}
+
+double RoomView::paper_radiance_quantile(double share) const {
+  const camera::Intrinsics& lens = camera_.intrinsics();
+  constexpr int kSpots = 64;
+  std::vector<double> levels;
+  for (int j = 0; j < kSpots; ++j) {
+    for (int i = 0; i < kSpots; ++i) {
+      PixelRays rays;
+      if (!rays_of((i + 0.5) / kSpots * lens.width_px, (j + 0.5) / kSpots * lens.height_px, rays)) continue;
+      const Hit hit = cast_ray(lit_.scene(), T_room_cam_.t, rays.direction);
+      if (hit.plane == nullptr) continue;
+      const Vec2 q = hit.plane->coordinates(T_room_cam_.t + hit.distance * rays.direction);
+      if (const double level = lit_.paper_radiance(hit, q); level > 0) levels.push_back(level);
+    }
+  }
+  if (levels.empty()) return 1;
+  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
+  std::nth_element(levels.begin(), middle, levels.end());
+  return *middle;
+}
+
+}  // namespace roomcal::tools

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime/math/types.h"
+
+namespace roomcal::tools {
+
+/// Radii of the printed circles in fractions of the outer one: ink inside [0], paper inside [1], and so on.
+inline constexpr std::array<double, 6> kRingRadii = {1.00, 0.85, 0.70, 0.55, 0.40, 0.25};
+inline constexpr double kSheetWidth_m = 0.210;
+inline constexpr double kSheetHeight_m = 0.297;
+inline constexpr double kMarkerRadius_m = 0.085;
+inline constexpr double kPaperAlbedo = 0.85;
+inline constexpr double kInkAlbedo = 0.06;
+
+/// What is printed on a piece of paper. All but kRings are there to fool the detector.
+enum class Print : uint8_t { kRings, kDisc, kOneRing, kTwoRings, kFan, kStripes };
+
+/// A piece of paper glued to a plane; coordinates are the plane's own (m).
+struct Decal {
+  Print print = Print::kRings;
+  int marker_id = -1;  ///< of kRings only
+  Vec2 centre = Vec2::Zero();
+  double angle_rad = 0;
+  Vec2 half_size = Vec2::Zero();
+  double radius_m = 0;
+};
+
+/// A wall, the floor, the ceiling, or a face of a body. Point = origin + q.x axis_u + q.y axis_v, normal = u x v,
+/// which points into free space.
+struct Plane {
+  std::string name;
+  Vec3 origin = Vec3::Zero();
+  Vec3 axis_u = Vec3::UnitX();
+  Vec3 axis_v = Vec3::UnitY();
+  Vec3 normal = Vec3::UnitZ();
+  Vec2 size = Vec2::Zero();  ///< extent of the plane's own coordinates that matters, m
+  double albedo = 0.5;
+  double tile_m = 0;  ///< spacing of dark joints; 0 for none
+  std::vector<Decal> decals;
+
+  Vec3 point(const Vec2& q) const { return origin + q.x() * axis_u + q.y() * axis_v; }
+  Vec2 coordinates(const Vec3& point_room) const {
+    return {(point_room - origin).dot(axis_u), (point_room - origin).dot(axis_v)};
+  }
+  double signed_distance(const Vec3& point_room) const { return normal.dot(point_room - origin); }
+};
+
+/// A convex thing in the room (pillar, box): the points on or behind all its planes. It hides and throws shadows.
+struct Body {
+  std::string name;
+  std::vector<Plane> faces;
+};
+
+/// A rectangular lamp, facing down; zero extent makes it a point with hard shadows.
+struct Lamp {
+  Vec3 centre = Vec3::Zero();
+  Vec2 half_size = Vec2::Zero();  ///< along x and y
+  double intensity = 1;           ///< irradiance at 1 m, in front
+  bool all_around = false;        ///< shines to every side (a bulb), not by the cosine of a flat panel
+};
+
+/// Everything that is needed to render. Room frame: origin in a floor corner, x width, y depth, z up, metres.
+struct Scene {
+  uint64_t seed = 0;
+  Vec3 size = Vec3::Zero();
+  std::vector<Plane> walls;  ///< the convex room: free space is in front of all of them; floor first, ceiling last
+  std::vector<Body> bodies;
+  std::vector<Lamp> lamps;
+  double ambient = 0;  ///< irradiance from everywhere: what the walls throw back
+};
+
+/// One ring marker of a scene, as the map knows it.
+struct SceneMarker {
+  int id = 0;
+  Vec3 centre_room = Vec3::Zero();
+  Vec3 normal_room = Vec3::UnitZ();
+  double radius_m = 0;
+};
+
+/// All ring markers, in the order of their ids.
+std::vector<SceneMarker> markers_of(const Scene& scene);
+
+}  // namespace roomcal::tools

@@ -1,0 +1,160 @@
+#include "tools/simulate/shot_files.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tools/common/error.h"
+#include "tools/common/files.h"
+#include "tools/simulate/json_geometry.h"
+
+namespace roomcal::tools {
+
+using nlohmann::json;
+
+namespace {
+
+std::string kalibr_camera(const TrueCamera& camera) {
+  const camera::Intrinsics& lens = camera.camera.intrinsics();
+  const bool fisheye = lens.model == camera::Model::kKannalaBrandt;
+  return fmt::format(
+      "{0}:\n  camera_model: pinhole\n  distortion_coeffs: [{1:.17g}]\n  distortion_model: {2}\n"
+      "  intrinsics: [{3:.17g}, {4:.17g}, {5:.17g}, {6:.17g}]\n  resolution: [{7}, {8}]\n  rostopic: /{0}/image_raw\n",
+      camera.name, fmt::join(lens.distortion, ", "), fisheye ? "equidistant" : "radtan", lens.fx_px, lens.fy_px,
+      lens.cx_px, lens.cy_px, lens.width_px, lens.height_px);
+}
+
+json camera_names(const Stand& stand) {
+  json names = json::array();
+  for (const TrueCamera& camera : stand.cameras) names.push_back(camera.name);
+  return names;
+}
+
+json nominal_edge(const MountingEdge& edge) {
+  json node = json_of(edge.T_to_from());
+  node["to"] = edge.to;
+  node["from"] = edge.from;
+  node["tabulated"] = {
+      {"euler_xyz_deg", json_of(edge.euler_xyz_deg)}, {"t_m", json_of(edge.t_m)}, {"read_as", "T_to_from"}};
+  return node;
+}
+
+json nominal_json(const Stand& stand, const ShotOptions& options) {
+  json edges = json::array();
+  for (const MountingEdge& edge : stand.device->edges) edges.push_back(nominal_edge(edge));
+  return {{"device", stand.device->name},
+          {"convention",
+           "T maps points of frame 'from' to frame 'to' (X_to = R X_from + t); R = Rz(c) Ry(b) Rx(a) from "
+           "euler_xyz_deg = (a,b,c). Camera: x right, y down, z forward."},
+          {"cameras", camera_names(stand)},
+          {"lidars", json::array()},
+          {"sigma_rot_deg_per_axis", options.sigma_rot_deg},
+          {"sigma_t_m_per_axis", options.sigma_t_m},
+          {"edges", edges}};
+}
+
+json truth_of_marker(const MarkerTruth& marker) {
+  return {{"id", marker.id},
+          {"uv", json_of(marker.uv_px)},
+          {"ellipse_center", json_of(marker.outer.centre_px)},
+          {"major_px", marker.outer.major_px},
+          {"minor_px", marker.outer.minor_px},
+          {"angle_deg", rad_to_deg(marker.outer.angle_rad)},
+          {"slant_deg", rad_to_deg(marker.slant_rad)},
+          {"distance_m", marker.distance_m},
+          {"visible", marker.visible}};
+}
+
+json truth_of_picture(const TrueCamera& camera, const Picture& picture, const ShotOptions& options) {
+  json markers = json::array();
+  int usable = 0;
+  for (const MarkerTruth& marker : picture.markers) {
+    markers.push_back(truth_of_marker(marker));
+    usable += marker.visible == 1 && marker.outer.major_px >= 12 ? 1 : 0;
+  }
+  const camera::Intrinsics& lens = camera.camera.intrinsics();
+  return {{"resolution", {lens.width_px, lens.height_px}},
+          {"markers_usable_12px", usable},
+          {"image",
+           {{"grey_per_radiance", picture.sensor.grey_per_radiance},
+            {"gamma", 1.0},
+            {"psf_sigma_px", options.blur_px},
+            {"motion_px", options.motion_px},
+            {"noise_mid", options.noise_sigma}}},
+          {"markers", markers}};
+}
+
+json extrinsics_json(const Stand& stand) {
+  json all = json::array();
+  for (const TrueCamera& to : stand.cameras) {
+    for (const TrueCamera& from : stand.cameras) {
+      if (to.name == from.name) continue;
+      json node = json_of(to.T_room_cam.inverse() * from.T_room_cam);
+      node["to"] = to.name;
+      node["from"] = from.name;
+      all.push_back(node);
+    }
+  }
+  return all;
+}
+
+json perturbation_json(const Stand& stand) {
+  json all = json::array();
+  for (std::size_t i = 0; i < stand.perturbations.size(); ++i) {
+    const Perturbation& drawn = stand.perturbations[i];
+    all.push_back({{"to", stand.device->edges[i].to},
+                   {"from", stand.device->edges[i].from},
+                   {"rotvec_deg", json_of(Vec3(drawn.rotvec_rad * rad_to_deg(1)))},
+                   {"dt_m", json_of(drawn.dt_m)},
+                   {"rule", "T_to_from = [exp(rotvec) R_nominal | t_nominal + dt]"}});
+  }
+  return all;
+}
+
+json truth_json(const Scene& scene, const Stand& stand, const std::vector<Picture>& pictures,
+                const ShotOptions& options) {
+  json node = {{"format", "twin-truth-1"},
+               {"device", stand.device->name},
+               {"room", fmt::format("simulated, seed {}", scene.seed)},
+               {"seed", options.seed},
+               {"conventions",
+                {{"T_a_b", "maps points of frame b to frame a (X_a = R X_b + t); 4x4 row-major"},
+                 {"pixels", "(0,0) is the centre of the top-left pixel"},
+                 {"uv", "projection of the true 3-D marker centre (not the centre of the ellipse)"},
+                 {"ellipse", "major_px/minor_px are full axes of the projected outer circle"},
+                 {"visible", "fraction of the outer disc inside the image and not hidden by an object"}}},
+               {"extrinsics", extrinsics_json(stand)},
+               {"perturbation", perturbation_json(stand)}};
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const TrueCamera& camera = stand.cameras[i];
+    node["T_room_sensor"][camera.name] = json_of(camera.T_room_cam);
+    node["cameras"][camera.name] = truth_of_picture(camera, pictures[i], options);
+  }
+  return node;
+}
+
+}  // namespace
+
+void write_picture(const Picture& picture, const std::string& camera, const PictureFormat& format,
+                   const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const bool jpeg = format.jpeg_quality > 0;
+  const std::filesystem::path path = folder / (camera + (jpeg ? ".jpg" : ".png"));
+  const std::vector<int> settings =
+      jpeg ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality} : std::vector<int>{};
+  if (!cv::imwrite(path.string(), picture.image, settings)) {
+    throw ToolError(path.string() + ": cannot be written; check the folder and the space left");
+  }
+}
+
+void write_shot_facts(const Scene& scene, const Stand& stand, const std::vector<Picture>& pictures,
+                      const ShotOptions& options, const std::filesystem::path& folder) {
+  std::string camchain;
+  for (const TrueCamera& camera : stand.cameras) camchain += kalibr_camera(camera);
+  write_atomic(folder / "camchain.yaml", camchain);
+  write_atomic(folder / "nominal.json", nominal_json(stand, options).dump(1) + "\n");
+  write_atomic(folder / "truth.json", truth_json(scene, stand, pictures, options).dump(1) + "\n");
+}
+
+}  // namespace roomcal::tools
