@@ -1,0 +1,161 @@
+#include "runtime/marker/refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/marker/profile.h"
+#include "runtime/marker/ring_pixels.h"
+#include "runtime/marker/verify.h"
+
+namespace roomcal::marker {
+namespace {
+
+// Sheets are white up to about 1.2 outer radii; a little less keeps blur of what lies beyond out.
+constexpr double kFitReach = 1.15;
+constexpr int kThinnedPixels = 704;
+constexpr int kMaxReseeds = 2;  // an inner ring of three may have two around it
+
+constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
+Status out_of_scratch() { return out_of_arena("marker fit: give detect() its detector_scratch_bytes()"); }
+
+struct Start {
+  Ellipse outer;
+  RadialProfile profile;
+};
+
+// Wide window first; the second look samples in the better frame.
+Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
+  double support = 0;
+  for (const double window : {0.2, 0.12}) {
+    sample_polar(image, ellipse, grid);
+    ROOMCAL_TRY(snap_to_outer_edge(grid, window, ellipse, support));
+  }
+  if (support < 0.5) return refuse("no closed dark-to-light edge");
+  sample_polar(image, ellipse, grid);
+  return ok_status();
+}
+
+// Large swings first: small ones only where nothing else shows three rings, so that the ringing of sharpened images
+// adds none.
+RadialProfile read_rings(const PolarGrid& grid, const DetectorOptions& options) {
+  RadialProfile profile;
+  for (const double swing : {0.25, 0.1, 0.04, 0.02}) {
+    profile = read_profile(grid, swing);
+    if (profile.rings >= options.min_rings) break;
+  }
+  return profile;
+}
+
+Status find_start(ImageView image, const Candidate& candidate, const DetectorOptions& options, PolarGrid& grid,
+                  Start& start) {
+  start.outer = candidate.outer;
+  for (int reseeds = 0;; ++reseeds) {
+    ROOMCAL_TRY(snap(image, grid, start.outer));
+    start.profile = read_rings(grid, options);
+    if (start.profile.next_outer_radius <= 1 || reseeds == kMaxReseeds) break;
+    Start wider = start;
+    wider.outer.major_px *= start.profile.next_outer_radius;
+    wider.outer.minor_px *= start.profile.next_outer_radius;
+    if (!snap(image, grid, wider.outer).ok()) break;
+    start.outer = wider.outer;
+  }
+  if (start.profile.rings < options.min_rings || start.profile.rings > options.max_rings) {
+    return refuse("profile shows no three to five dark rings");
+  }
+  if (start.profile.agreement < 0.55) return refuse("sectors differ");
+  if (start.profile.visible < 0.4) return refuse("less than half inside the image");
+  return ok_status();
+}
+
+RingModel initial_model(const Start& start) {
+  RingModel model = model_from_ellipse(start.outer);
+  model.rings = start.profile.rings;
+  model[kLight0] = start.profile.paper;
+  model[kInk] = std::clamp(start.profile.ink / start.profile.paper, 0.0, 0.95);
+  model[kBlur] = std::min(start.profile.blur_px / model.scale_px, 0.3);
+  for (int edge = 1; edge < model.edges(); ++edge) {
+    model[kFirstRadius + edge - 1] = start.profile.radius[static_cast<std::size_t>(edge)];
+  }
+  return model;
+}
+
+// Standard deviation of residuals from the median of their magnitudes; never below rounding's.
+double robust_sigma(std::span<float> magnitudes) {
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  return std::max(1.4826 * static_cast<double>(*middle), 0.4);
+}
+
+// Coarse to fine: a thinned set at a scale that forgives the start, again at the noise's scale, then undamped steps on
+// all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
+Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
+  constexpr double kOutlierSigmas = 5;  // costs 3 % of the information of Gaussian noise
+  RingPixels all, few;
+  ROOMCAL_TRY(gather_ring_pixels(image, fit.model, kFitReach, scratch, all));
+  ROOMCAL_TRY(thin_ring_pixels(all, kThinnedPixels, scratch, few));
+  const auto magnitudes = scratch.allocate_uninitialized<float>(static_cast<std::size_t>(all.count));
+  if (magnitudes.empty()) return out_of_scratch();
+  const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));
+
+  fit_rings(few, {0.5 * fit.model.contrast()}, 8, fit.model);
+  evaluate(fit.model, few, {}, few_magnitudes, nullptr, fit.evaluation);
+  fit.noise_grey = robust_sigma(few_magnitudes);
+  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, 5, fit.model);
+  for (int step = 0; step < 3; ++step) {
+    fit.tally = {};
+    evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);
+    fit.noise_grey = robust_sigma(magnitudes);
+    fit.last_step_px = newton_step(fit.evaluation, fit.noise_grey, fit.model);
+    if (fit.last_step_px < 0.1 * fit.model.blur_px()) break;
+  }
+  return ok_status();
+}
+
+double outside_share(ImageView image, const RingModel& model) {
+  constexpr int kPoints = 64;
+  Ellipse ellipse;
+  if (!ellipse_of_radius(model, 1, ellipse)) return 1;
+  const Vec2 along{std::cos(ellipse.angle_rad), std::sin(ellipse.angle_rad)};
+  const Vec2 across{-along.y(), along.x()};
+  int outside = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2 * kPi * i / kPoints;
+    const Vec2 point = ellipse.centre_px + ellipse.major_px / 2 * std::cos(angle) * along +
+                       ellipse.minor_px / 2 * std::sin(angle) * across;
+    const bool inside =
+        point.x() >= 0 && point.y() >= 0 && point.x() <= image.width() - 1 && point.y() <= image.height() - 1;
+    outside += inside ? 0 : 1;
+  }
+  return static_cast<double>(outside) / kPoints;
+}
+
+bool is_sane(const Ellipse& ellipse) {
+  return std::isfinite(ellipse.centre_px.x()) && std::isfinite(ellipse.centre_px.y()) &&
+         std::isfinite(ellipse.angle_rad) && ellipse.minor_px > 1 && ellipse.major_px >= ellipse.minor_px &&
+         ellipse.major_px < 20000;
+}
+
+}  // namespace
+
+std::size_t refine_scratch_bytes() {
+  return ring_pixels_bytes() + kMaxRingPixels * sizeof(float) + sizeof(PolarGrid) + 1024;
+}
+
+Status refine(ImageView image, const Candidate& candidate, const DetectorOptions& options, Arena& scratch,
+              Detection& detection) {
+  if (!is_sane(candidate.outer)) return refuse("candidate is no ellipse");
+  Arena::Scope scope(scratch);
+  const std::span<PolarGrid> grid = scratch.allocate_uninitialized<PolarGrid>(1);
+  if (grid.empty()) return out_of_scratch();
+  Start start;
+  ROOMCAL_TRY(find_start(image, candidate, options, grid[0], start));
+  FittedRings fit;
+  fit.model = initial_model(start);
+  if (!is_plausible(fit.model)) return refuse("rings out of order");
+  if (const Status fitted = fit_pixels(image, scratch, fit); !fitted.ok()) {
+    return fitted.code() == StatusCode::kTooFew ? refuse(fitted.detail()) : fitted;
+  }
+  return verify_rings(fit, outside_share(image, fit.model), options, detection);
+}
+
+}  // namespace roomcal::marker

@@ -1,0 +1,239 @@
+#include "runtime/marker/ring_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+// Compiled with -fno-math-errno -fno-trapping-math (see CMakeLists.txt): plain loops over 64 floats become vector code.
+namespace roomcal::marker {
+namespace {
+
+// Beyond this many sigma an edge is a plain step.
+constexpr float kEdgeReach = 3.2F;
+
+// Odd polynomial for Phi(t) - 1/2 on |t| <= 3.2, value 1/2 and slope 0 at the ends, least squares in between; off by
+// 7e-4 at most. Its exact derivative stands in for the density, so that model and Jacobian agree.
+constexpr std::array<float, 6> kStep{0.398669426F,     -0.0656465649F,  0.0092134411F,
+                                     -0.000880839581F, 4.98586631e-05F, -1.23195164e-06F};
+
+struct BlockGeometry {
+  alignas(64) float dx[kBlockPixels];
+  float dy[kBlockPixels];
+  float inverse_line[kBlockPixels];  // 1 / (1 + h . d)
+  float gradient_x[kBlockPixels];    // d r / d x
+  float gradient_y[kBlockPixels];
+  float inverse_distance[kBlockPixels];  // 1 / (|grad r| sigma): r to sigmas
+  float paper[kBlockPixels];             // w
+  float density[kBlockPixels];           // sum_j s_j phi(t_j)
+  float moment[kBlockPixels];            // sum_j s_j phi(t_j) t_j
+};
+
+void measure_geometry(const RingModel& model, const RingPixels& pixels, int first, BlockGeometry& g, RingBlock& block) {
+  const auto value = [&](int i) { return static_cast<float>(model[i]); };
+  const float cx = value(kCentreX), cy = value(kCentreY), w00 = value(kShape00), w10 = value(kShape10),
+              w11 = value(kShape11), hx = value(kLineX), hy = value(kLineY);
+  const float inverse_blur = 1.0F / value(kBlur);
+  const float* x = pixels.x.data() + first;
+  const float* y = pixels.y.data() + first;
+  for (int i = 0; i < kBlockPixels; ++i) {
+    const float dx = x[i] - cx, dy = y[i] - cy;
+    const float u = w00 * dx, v = w10 * dx + w11 * dy;
+    const float norm = std::sqrt(u * u + v * v + 1e-10F);
+    const float inverse_norm = 1.0F / norm;
+    const float inverse_line = 1.0F / (1.0F + hx * dx + hy * dy);
+    const float a = u * inverse_norm, b = v * inverse_norm;
+    const float r = norm * inverse_line;
+    const float gx = (w00 * a + w10 * b - r * hx) * inverse_line;
+    const float gy = (w11 * b - r * hy) * inverse_line;
+    g.dx[i] = dx;
+    g.dy[i] = dy;
+    g.inverse_line[i] = inverse_line;
+    g.gradient_x[i] = gx;
+    g.gradient_y[i] = gy;
+    g.inverse_distance[i] = inverse_blur / std::sqrt(gx * gx + gy * gy);
+    block.direction_x[i] = a;
+    block.direction_y[i] = b;
+    block.radius[i] = r;
+  }
+}
+
+struct Range {
+  float low, high;
+};
+
+Range range_of(const float* value) {
+  float low[4], high[4];
+  for (int lane = 0; lane < 4; ++lane) low[lane] = high[lane] = value[lane];
+  for (int i = 4; i < kBlockPixels; i += 4) {
+    for (int lane = 0; lane < 4; ++lane) {
+      low[lane] = value[i + lane] < low[lane] ? value[i + lane] : low[lane];
+      high[lane] = value[i + lane] > high[lane] ? value[i + lane] : high[lane];
+    }
+  }
+  return {std::min(std::min(low[0], low[1]), std::min(low[2], low[3])),
+          std::max(std::max(high[0], high[1]), std::max(high[2], high[3]))};
+}
+
+// Adds one edge's blurred step; `radius_row` receives d w / d rho / (paper contrast) = -s phi / (|grad r| sigma).
+void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, float* radius_row) {
+  for (int i = 0; i < kBlockPixels; ++i) {
+    float t = (block.radius[i] - rho) * g.inverse_distance[i];
+    t = t < -kEdgeReach ? -kEdgeReach : t;
+    t = t > kEdgeReach ? kEdgeReach : t;
+    const float q = t * t;
+    const float step =
+        t * (kStep[0] + q * (kStep[1] + q * (kStep[2] + q * (kStep[3] + q * (kStep[4] + q * kStep[5])))));
+    const float density =
+        sign * (kStep[0] +
+                q * (3 * kStep[1] + q * (5 * kStep[2] + q * (7 * kStep[3] + q * (9 * kStep[4] + q * 11 * kStep[5])))));
+    g.paper[i] += sign * (0.5F + step);
+    g.density[i] += density;
+    g.moment[i] += density * t;
+    radius_row[i] = -density * g.inverse_distance[i];
+  }
+}
+
+// Edges that the block meets get a row; those wholly to one side are a constant.
+void add_edges(const RingModel& model, BlockGeometry& g, RingBlock& block) {
+  const Range radius = range_of(block.radius);
+  const float reach = kEdgeReach / range_of(g.inverse_distance).low;
+  float constant = 1;
+  std::fill_n(g.density, kBlockPixels, 0.0F);
+  std::fill_n(g.moment, kBlockPixels, 0.0F);
+  std::fill_n(g.paper, kBlockPixels, 0.0F);
+  block.rows = kFirstRadius;
+  for (int edge = 0; edge < model.edges(); ++edge) {
+    const float rho = static_cast<float>(model.radius(edge));
+    const float sign = edge % 2 == 0 ? 1.0F : -1.0F;
+    if (rho > radius.high + reach) continue;
+    if (rho < radius.low - reach) {
+      constant += sign;
+      continue;
+    }
+    // The outer radius is one by definition: its row is written and then overwritten by the next edge's.
+    add_edge(rho, sign, block, g, block.row[block.rows]);
+    if (edge == 0) continue;
+    block.parameter[static_cast<std::size_t>(block.rows)] = kFirstRadius + edge - 1;
+    ++block.rows;
+  }
+  for (float& paper : g.paper) paper += constant;
+}
+
+float weight_of(float grey, float predicted, float residual, float inverse_scale2) {
+  const bool clipped = (grey >= 254.0F && predicted >= 250.0F) || (grey <= 1.0F && predicted <= 4.0F);
+  const float spread = 1.0F + residual * residual * inverse_scale2;
+  return clipped ? 0.0F : 1.0F / (spread * spread);
+}
+
+}  // namespace
+
+void evaluate_block(const RingModel& model, const RingPixels& pixels, int first, const ResidualWeighting& weighting,
+                    RingBlock& block) {
+  BlockGeometry g;
+  measure_geometry(model, pixels, first, g, block);
+  add_edges(model, g, block);
+  const float l0 = static_cast<float>(model[kLight0]), lx = static_cast<float>(model[kLightX]),
+              ly = static_cast<float>(model[kLightY]), ink = static_cast<float>(model[kInk]);
+  const float inverse_blur = 1.0F / static_cast<float>(model[kBlur]);
+  const float inverse_scale2 = static_cast<float>(1.0 / (weighting.scale_grey * weighting.scale_grey));
+  const float* x = pixels.x.data() + first;
+  const float* y = pixels.y.data() + first;
+  const float* grey = pixels.grey.data() + first;
+  const int valid = std::min(kBlockPixels, pixels.count - first);
+  alignas(64) float root_weight[kBlockPixels];
+  alignas(64) float paper_light[kBlockPixels];
+  for (int i = 0; i < kBlockPixels; ++i) {
+    const float light = l0 + lx * x[i] + ly * y[i];
+    const float reflectance = ink + (1.0F - ink) * g.paper[i];
+    block.residual[i] = grey[i] - light * reflectance;
+    const float weight = weight_of(grey[i], light * reflectance, block.residual[i], inverse_scale2);
+    block.weight[i] = i < valid ? weight : 0.0F;
+    paper_light[i] = light * (1.0F - ink);
+    block.slope[i] = paper_light[i] * g.density[i] * g.inverse_distance[i];
+  }
+  for (int i = 0; i < kBlockPixels; ++i) root_weight[i] = std::sqrt(block.weight[i]);
+  for (int i = 0; i < kBlockPixels; ++i) {
+    const float slope = block.slope[i] * root_weight[i];
+    const float over_line = slope * g.inverse_line[i];
+    const float along = over_line * block.radius[i];
+    const float light = l0 + lx * x[i] + ly * y[i];
+    const float reflectance = (ink + (1.0F - ink) * g.paper[i]) * root_weight[i];
+    block.row[kCentreX][i] = -slope * g.gradient_x[i];
+    block.row[kCentreY][i] = -slope * g.gradient_y[i];
+    block.row[kShape00][i] = over_line * block.direction_x[i] * g.dx[i];
+    block.row[kShape10][i] = over_line * block.direction_y[i] * g.dx[i];
+    block.row[kShape11][i] = over_line * block.direction_y[i] * g.dy[i];
+    block.row[kLineX][i] = -along * g.dx[i];
+    block.row[kLineY][i] = -along * g.dy[i];
+    block.row[kLight0][i] = reflectance;
+    block.row[kLightX][i] = reflectance * x[i];
+    block.row[kLightY][i] = reflectance * y[i];
+    block.row[kInk][i] = light * (1.0F - g.paper[i]) * root_weight[i];
+    block.row[kBlur][i] = -paper_light[i] * g.moment[i] * inverse_blur * root_weight[i];
+  }
+  for (int i = 0; i < kFirstRadius; ++i) block.parameter[static_cast<std::size_t>(i)] = i;
+  for (int row = kFirstRadius; row < block.rows; ++row) {
+    for (int i = 0; i < kBlockPixels; ++i) block.row[row][i] *= paper_light[i] * root_weight[i];
+  }
+  for (int i = 0; i < kBlockPixels; ++i) block.row[block.rows][i] = block.residual[i] * root_weight[i];
+  block.parameter[static_cast<std::size_t>(block.rows)] = kMaxParameters;
+  ++block.rows;
+  for (int row = block.rows; row % 3 != 0; ++row) std::fill_n(block.row[row], kBlockPixels, 0.0F);
+}
+
+namespace {
+
+// Four floats on every architecture: the same sums everywhere.
+using Lanes [[gnu::vector_size(16), gnu::may_alias]] = float;
+
+double total(const Lanes& lanes) {
+  return (static_cast<double>(lanes[0]) + static_cast<double>(lanes[1])) +
+         (static_cast<double>(lanes[2]) + static_cast<double>(lanes[3]));
+}
+
+// Products of three rows with three others: nine sums held in registers.
+void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels], double (&product)[3][3]) {
+  Lanes sum[3][3] = {};
+  for (int i = 0; i < kBlockPixels; i += 4) {
+    const Lanes* left[3] = {reinterpret_cast<const Lanes*>(a[0] + i), reinterpret_cast<const Lanes*>(a[1] + i),
+                            reinterpret_cast<const Lanes*>(a[2] + i)};
+    const Lanes* right[3] = {reinterpret_cast<const Lanes*>(b[0] + i), reinterpret_cast<const Lanes*>(b[1] + i),
+                             reinterpret_cast<const Lanes*>(b[2] + i)};
+    for (int m = 0; m < 3; ++m) {
+      for (int n = 0; n < 3; ++n) sum[m][n] += *left[m] * *right[n];
+    }
+  }
+  for (int m = 0; m < 3; ++m) {
+    for (int n = 0; n < 3; ++n) product[m][n] = total(sum[m][n]);
+  }
+}
+
+}  // namespace
+
+void accumulate(const RingBlock& block, const ResidualWeighting& weighting, NormalEquations& equations) {
+  for (int a = 0; a < block.rows; a += 3) {
+    for (int b = a; b < block.rows; b += 3) {
+      double product[3][3];
+      multiply_tile(&block.row[a], &block.row[b], product);
+      for (int m = 0; m < 3 && a + m < block.rows; ++m) {
+        for (int n = 0; n < 3 && b + n < block.rows; ++n) {
+          if (b + n < a + m) continue;
+          const auto i = static_cast<std::size_t>(block.parameter[static_cast<std::size_t>(a + m)]);
+          const auto j = static_cast<std::size_t>(block.parameter[static_cast<std::size_t>(b + n)]);
+          equations.sum[i][j] += product[m][n];
+        }
+      }
+    }
+  }
+  const double inverse_scale2 = 1.0 / (weighting.scale_grey * weighting.scale_grey);
+  double cost = 0, weights = 0;
+  for (int i = 0; i < kBlockPixels; ++i) {
+    if (block.weight[i] <= 0) continue;
+    const double square = static_cast<double>(block.residual[i]) * static_cast<double>(block.residual[i]);
+    cost += square / (1 + square * inverse_scale2);
+    weights += static_cast<double>(block.weight[i]);
+  }
+  equations.cost += cost;
+  equations.weight_total += weights;
+}
+
+}  // namespace roomcal::marker

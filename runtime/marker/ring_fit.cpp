@@ -1,0 +1,185 @@
+#include "runtime/marker/ring_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomcal::marker {
+namespace {
+
+using Matrix = std::array<std::array<double, kMaxParameters>, kMaxParameters>;
+using Vector = std::array<double, kMaxParameters>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Lower Cholesky factor in place, n x n. False if not positive definite.
+bool factorize(Matrix& A, int n) {
+  for (int j = 0; j < n; ++j) {
+    double pivot = A[at(j)][at(j)];
+    for (int k = 0; k < j; ++k) pivot -= A[at(j)][at(k)] * A[at(j)][at(k)];
+    if (!(pivot > 1e-12)) return false;  // the matrix is scaled to a unit diagonal
+    const double root = std::sqrt(pivot);
+    A[at(j)][at(j)] = root;
+    for (int i = j + 1; i < n; ++i) {
+      double sum = A[at(i)][at(j)];
+      for (int k = 0; k < j; ++k) sum -= A[at(i)][at(k)] * A[at(j)][at(k)];
+      A[at(i)][at(j)] = sum / root;
+    }
+  }
+  return true;
+}
+
+void substitute(const Matrix& L, int n, Vector& b) {
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < i; ++k) b[at(i)] -= L[at(i)][at(k)] * b[at(k)];
+    b[at(i)] /= L[at(i)][at(i)];
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    for (int k = i + 1; k < n; ++k) b[at(i)] -= L[at(k)][at(i)] * b[at(k)];
+    b[at(i)] /= L[at(i)][at(i)];
+  }
+}
+
+// Scales H to a unit diagonal (plus damping). scale[i] = 0 marks an unknown without information.
+void scaled_hessian(const NormalEquations& equations, int n, double damping, Matrix& A, Vector& scale) {
+  for (int i = 0; i < n; ++i) {
+    const double diagonal = equations.hessian(i, i);
+    scale[at(i)] = diagonal > 1e-9 ? 1 / std::sqrt(diagonal) : 0;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) A[at(i)][at(j)] = equations.hessian(j, i) * scale[at(i)] * scale[at(j)];
+    A[at(i)][at(i)] = scale[at(i)] > 0 ? 1 + damping : 1;
+  }
+}
+
+bool solve_step(const NormalEquations& equations, int n, double damping, Vector& step) {
+  Matrix A;
+  Vector scale{};
+  scaled_hessian(equations, n, damping, A, scale);
+  if (!factorize(A, n)) return false;
+  for (int i = 0; i < n; ++i) step[at(i)] = equations.gradient(i) * scale[at(i)];
+  substitute(A, n, step);
+  for (int i = 0; i < n; ++i) step[at(i)] *= scale[at(i)];
+  return true;
+}
+
+// Perspective is hard to see in a small slanted marker; this keeps the equations regular and says no more than that
+// h is below one. It is worth one pixel of noise `noise_grey`.
+void add_line_prior(const RingModel& model, double noise_grey, NormalEquations& equations) {
+  constexpr double kSigma = 0.5;
+  const double weight = noise_grey * noise_grey / (kSigma * kSigma);
+  for (const int i : {kLineX, kLineY}) {
+    equations.sum[at(i)][at(i)] += weight;
+    equations.sum[at(i)][kMaxParameters] -= weight * model[i];
+    equations.cost += weight * model[i] * model[i];
+  }
+}
+
+RingModel moved(const RingModel& model, const Vector& step) {
+  RingModel trial = model;
+  for (int i = 0; i < model.parameters(); ++i) trial[i] += step[at(i)];
+  return trial;
+}
+
+double movement_px(const RingModel& model, const Vector& step) {
+  double largest = 0;
+  for (int i = kCentreX; i <= kLineY; ++i) largest = std::fmax(largest, std::fabs(step[at(i)]));
+  return largest * model.scale_px;
+}
+
+void tally_block(const RingBlock& block, const RingPixels& pixels, int first, double mean_level, SectorTally& tally) {
+  const int valid = std::min(kBlockPixels, pixels.count - first);
+  for (int i = 0; i < valid; ++i) {
+    const float a = std::fabs(block.direction_x[i]), b = std::fabs(block.direction_y[i]);
+    const bool steep = b > a;
+    const bool diagonal = (steep ? a : b) > 0.41421356F * (steep ? b : a);
+    const int sector =
+        (block.direction_x[i] < 0 ? 8 : 0) + (block.direction_y[i] < 0 ? 4 : 0) + (steep ? 2 : 0) + (diagonal ? 1 : 0);
+    const double grey = static_cast<double>(pixels.grey[at(first + i)]);
+    const double residual = static_cast<double>(block.residual[i]);
+    const double deviation = grey - residual - mean_level;
+    tally.misfit[at(sector)] += residual * residual;
+    tally.signal[at(sector)] += deviation * deviation;
+    tally.count[at(sector)] += 1;
+  }
+}
+
+}  // namespace
+
+void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
+              std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation) {
+  evaluation = {};
+  const double mean_level = model[kLight0] * (1 + model[kInk]) / 2;
+  RingBlock block;
+  for (int first = 0; first < pixels.count; first += kBlockPixels) {
+    evaluate_block(model, pixels, first, weighting, block);
+    accumulate(block, weighting, evaluation.equations);
+    const int valid = std::min(kBlockPixels, pixels.count - first);
+    for (int i = 0; i < valid; ++i) evaluation.clipped_or_outlying += block.weight[i] < 0.25F ? 1 : 0;
+    if (!absolute_residual.empty()) {
+      for (int i = 0; i < valid; ++i) absolute_residual[at(first + i)] = std::fabs(block.residual[i]);
+    }
+    if (tally != nullptr) tally_block(block, pixels, first, mean_level, *tally);
+  }
+}
+
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int max_iterations, RingModel& model) {
+  // Half a grey level: rounding alone; the prior is a regularizer, its exact weight does not matter.
+  constexpr double kNoiseGrey = 0.5;
+  constexpr double kDonePx = 0.004;
+  RingEvaluation now, next;
+  evaluate(model, pixels, weighting, {}, nullptr, now);
+  add_line_prior(model, kNoiseGrey, now.equations);
+  double damping = 1e-3;
+  int accepted = 0;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    Vector step{};
+    if (!solve_step(now.equations, model.parameters(), damping, step)) {
+      damping = std::fmax(damping, 1e-4) * 10;
+      continue;
+    }
+    RingModel trial = moved(model, step);
+    if (!is_plausible(trial)) {
+      damping *= 10;
+      continue;
+    }
+    evaluate(trial, pixels, weighting, {}, nullptr, next);
+    add_line_prior(trial, kNoiseGrey, next.equations);
+    if (next.equations.cost > now.equations.cost) {
+      damping *= 10;
+      continue;
+    }
+    model = trial;
+    now = next;
+    damping *= 0.1;
+    ++accepted;
+    if (movement_px(model, step) < kDonePx) break;
+  }
+  return accepted;
+}
+
+double newton_step(const RingEvaluation& evaluation, double noise_grey, RingModel& model) {
+  NormalEquations equations = evaluation.equations;
+  add_line_prior(model, noise_grey, equations);
+  Vector step{};
+  if (!solve_step(equations, model.parameters(), 0, step)) return -1;
+  const RingModel trial = moved(model, step);
+  if (!is_plausible(trial)) return -1;
+  model = trial;
+  return std::hypot(step[kCentreX], step[kCentreY]) * model.scale_px;
+}
+
+bool invert_equations(const NormalEquations& equations, int parameters, Matrix& inverse) {
+  Matrix A;
+  Vector scale{};
+  scaled_hessian(equations, parameters, 0, A, scale);
+  if (!factorize(A, parameters)) return false;
+  for (int column = 0; column < parameters; ++column) {
+    Vector unit{};
+    unit[at(column)] = scale[at(column)];
+    substitute(A, parameters, unit);
+    for (int row = 0; row < parameters; ++row) inverse[at(row)][at(column)] = unit[at(row)] * scale[at(row)];
+  }
+  return true;
+}
+
+}  // namespace roomcal::marker

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "runtime/marker/ring_block.h"
+
+namespace roomcal::marker {
+
+/// How well the model describes the pixels in sixteen sectors of the marker; sums are not weighted.
+struct SectorTally {
+  static constexpr int kSectors = 16;
+  std::array<double, kSectors> misfit{};  ///< sum of squared residuals
+  std::array<double, kSectors> signal{};  ///< sum of squared deviations of the model from its mean level
+  std::array<double, kSectors> count{};
+};
+
+/// Result of one evaluation of a model over a pixel set.
+struct RingEvaluation {
+  NormalEquations equations;
+  int clipped_or_outlying = 0;  ///< pixels of weight below one quarter
+};
+
+/// Evaluates model and Jacobian at every pixel. @param absolute_residual  count entries, or empty.
+void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
+              std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation);
+
+/// Levenberg-Marquardt from `model`, which never leaves is_plausible().
+/// @return iterations that lowered the cost.
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int max_iterations, RingModel& model);
+
+/// One undamped Gauss-Newton step from an evaluation. @return its length in the centre, px; negative if refused.
+double newton_step(const RingEvaluation& evaluation, double noise_grey, RingModel& model);
+
+/// Inverse of the normal equations: covariance per unit of noise variance (grey^2), in model units.
+/// @return false if singular. Rows of unknowns without information (a ring out of sight) are zero.
+bool invert_equations(const NormalEquations& equations, int parameters,
+                      std::array<std::array<double, kMaxParameters>, kMaxParameters>& inverse);
+
+}  // namespace roomcal::marker

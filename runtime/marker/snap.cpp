@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "runtime/marker/profile.h"
+
+namespace roomcal::marker {
+namespace {
+
+constexpr int kRays = PolarGrid::kRays;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct EdgePoint {
+  Vec2 z = Vec2::Zero();  // in the grid's frame: |z| is about 1
+  double weight = 0;
+};
+
+struct EdgePoints {
+  std::array<EdgePoint, kRays> ray{};
+  int visible = 0;
+};
+
+// The rise outwards nearest to rho = 1, among those at least half as steep as the ray's steepest. Nearest rather than
+// steepest: the next ring's outer edge, 0.2 away or more, is just as steep.
+bool find_edge(const PolarGrid& grid, int ray, double window, double& rho) {
+  const auto& level = grid.level[at(ray)];
+  const int reach = std::max(1, static_cast<int>(std::lround(0.5 / (grid.spacing * grid.A.col(0).norm()))));
+  const int first = std::max(reach, static_cast<int>(grid.sample(1 - window)));
+  const int last = std::min(grid.samples - 1 - reach, static_cast<int>(std::ceil(grid.sample(1 + window))));
+  const auto rise = [&](int j) { return level[at(j + reach)] - level[at(j - reach)]; };
+  float steepest = 6;  // grey levels: below lies noise
+  for (int j = first; j <= last; ++j) steepest = std::max(steepest, rise(j));
+  double best_distance = 1e9;
+  for (int j = first + 1; j < last; ++j) {
+    const float here = rise(j), before = rise(j - 1), after = rise(j + 1);
+    if (here < 0.5F * steepest || here < before || here <= after) continue;
+    const float curvature = before - 2 * here + after;
+    const double shift = curvature < -1e-6F ? static_cast<double>(0.5F * (before - after) / curvature) : 0;
+    const double candidate = grid.radius(j + shift);
+    if (std::fabs(candidate - 1) > best_distance) continue;
+    best_distance = std::fabs(candidate - 1);
+    rho = candidate;
+  }
+  return best_distance < 1e9;
+}
+
+void collect_edges(const PolarGrid& grid, double window, EdgePoints& points) {
+  const int needed = std::min(grid.samples - 1, static_cast<int>(std::ceil(grid.sample(1 + window))));
+  for (int ray = 0; ray < kRays; ++ray) {
+    if (grid.level[at(ray)][at(needed)] < 0) continue;
+    ++points.visible;
+    double rho = 0;
+    if (!find_edge(grid, ray, window, rho)) continue;
+    const double angle = 2 * kPi * (ray + 0.5) / kRays;
+    points.ray[at(ray)] = {Vec2{rho * std::cos(angle), rho * std::sin(angle)}, 1.0};
+  }
+}
+
+// Near-circle in the grid's frame:  q0 x^2 + q1 x y + q2 y^2 + q3 x + q4 y = 1.
+using Conic = Eigen::Matrix<double, 5, 1>;
+
+Conic terms(const Vec2& z) {
+  Conic row;
+  row << z.x() * z.x(), z.x() * z.y(), z.y() * z.y(), z.x(), z.y();
+  return row;
+}
+
+// Distance from the conic in units of rho, first order: the gradient of the form on a unit circle is about 2.
+double distance_from(const Conic& conic, const Vec2& z) { return (terms(z).dot(conic) - 1) / 2; }
+
+Conic weighted_conic(const EdgePoints& points) {
+  // Drawn weakly towards the unit circle, so that a border-cut marker keeps a sane ellipse on its missing side.
+  constexpr double kPrior = 0.02;
+  Eigen::Matrix<double, 5, 5> normal = kPrior * Eigen::Matrix<double, 5, 5>::Identity();
+  Conic target;
+  target << kPrior, 0, kPrior, 0, 0;
+  for (const EdgePoint& point : points.ray) {
+    const Conic row = terms(point.z);
+    normal += point.weight * row * row.transpose();
+    target += point.weight * row;
+  }
+  return Eigen::LDLT<Eigen::Matrix<double, 5, 5>>(normal).solve(target);
+}
+
+// Re-weighted least squares with a shrinking scale. @return weight of the points that agree, in points.
+double fit_conic(EdgePoints& points, double window, Conic& conic) {
+  std::array<bool, kRays> found{};
+  for (int i = 0; i < kRays; ++i) found[at(i)] = points.ray[at(i)].weight > 0;
+  double scale = window / 2, total = 0;
+  for (int round = 0; round < 5; ++round) {
+    conic = weighted_conic(points);
+    total = 0;
+    for (int i = 0; i < kRays; ++i) {
+      if (!found[at(i)]) continue;
+      const double error = distance_from(conic, points.ray[at(i)].z) / scale;
+      const double spread = 1 + error * error;
+      points.ray[at(i)].weight = 1 / (spread * spread);
+      total += points.ray[at(i)].weight;
+    }
+    scale = std::max(0.6 * scale, 0.02);
+  }
+  return total;
+}
+
+bool to_ellipse(const PolarGrid& grid, const Conic& conic, Ellipse& ellipse) {
+  Mat22 Q;
+  Q << conic[0], conic[1] / 2, conic[1] / 2, conic[2];
+  const double determinant = Q.determinant();
+  if (!(determinant > 0.05)) return false;
+  const Vec2 z0 = -0.5 * Q.inverse() * conic.tail<2>();
+  const double k = 1 + z0.dot(Q * z0);
+  // p = centre + A (z0 + e), e^T (Q / k) e = 1: shape of the ellipse in the image is A^-T (Q / k) A^-1.
+  const Mat22 A_inverse = grid.A.inverse();
+  const Mat22 M = A_inverse.transpose() * (Q / k) * A_inverse;
+  const double trace = M.trace(), spread = std::hypot(M(0, 0) - M(1, 1), 2 * M(0, 1));
+  if (!(trace - spread > 0)) return false;
+  ellipse.centre_px = grid.centre_px + grid.A * z0;
+  ellipse.major_px = 2 / std::sqrt((trace - spread) / 2);
+  ellipse.minor_px = 2 / std::sqrt((trace + spread) / 2);
+  ellipse.angle_rad = 0.5 * std::atan2(-2 * M(0, 1), M(1, 1) - M(0, 0));
+  return true;
+}
+
+}  // namespace
+
+Status snap_to_outer_edge(const PolarGrid& grid, double window, Ellipse& ellipse, double& support) {
+  EdgePoints points;
+  collect_edges(grid, window, points);
+  support = 0;
+  Conic conic;
+  const double agreeing = fit_conic(points, window, conic);
+  if (agreeing < 12) return {StatusCode::kNotFound, "no closed dark-to-light edge"};
+  Ellipse fitted;
+  if (!to_ellipse(grid, conic, fitted)) return {StatusCode::kNotFound, "the edge is no ellipse"};
+  ellipse = fitted;
+  support = agreeing / points.visible;
+  return ok_status();
+}
+
+}  // namespace roomcal::marker

@@ -1,0 +1,100 @@
+#include "runtime/marker/verify.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomcal::marker {
+namespace {
+
+using Covariance = std::array<std::array<double, kMaxParameters>, kMaxParameters>;
+
+// Residual against contrast: photographs with glare and JPEG stay below 0.08, other things are above 0.2.
+constexpr double kMaxResidual = 0.13;
+// A ring's width must stand out of its own uncertainty by this factor.
+constexpr double kRingSignificance = 5;
+constexpr double kMinRingWidth = 0.03;  // of the outer radius; CCTag's thinnest is 0.1
+constexpr double kMaxCentreSigma_px = 0.15;
+constexpr double kMinAxisRatio = 0.2;  // slant 78 degrees
+
+constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Variance of radius(edge) - radius(edge + 1), noise of one grey level; the outer radius is exact.
+double width_variance(const Covariance& inverse, int edge, int edges) {
+  const int outer = edge - 1, inner = edge;  // indices among the inner radii
+  const auto entry = [&](int i, int j) { return inverse[at(kFirstRadius + i)][at(kFirstRadius + j)]; };
+  double variance = 0;
+  if (outer >= 0) variance += entry(outer, outer);
+  if (edge + 1 < edges) variance += entry(inner, inner);
+  if (outer >= 0 && edge + 1 < edges) variance -= 2 * entry(outer, inner);
+  return variance;
+}
+
+bool rings_are_significant(const RingModel& model, const Covariance& inverse, double noise_grey) {
+  for (int edge = 0; edge < model.edges(); ++edge) {
+    const double inner = edge + 1 < model.edges() ? model.radius(edge + 1) : 0.0;
+    const double width = model.radius(edge) - inner;
+    const double variance = width_variance(inverse, edge, model.edges()) * noise_grey * noise_grey;
+    if (!(variance > 0) || width < kMinRingWidth || width < kRingSignificance * std::sqrt(variance)) return false;
+  }
+  return true;
+}
+
+struct SectorShares {
+  double good = 0;  // of the sectors that have pixels
+  int with_pixels = 0;
+};
+
+// A sector shows the rings if the model explains three quarters of what varies in it, beyond the noise.
+SectorShares judge_sectors(const FittedRings& fit) {
+  SectorShares shares;
+  const double noise2 = fit.noise_grey * fit.noise_grey;
+  int good = 0;
+  for (int sector = 0; sector < SectorTally::kSectors; ++sector) {
+    const double count = fit.tally.count[at(sector)];
+    if (count < 3) continue;
+    ++shares.with_pixels;
+    const double unexplained = fit.tally.misfit[at(sector)] - 1.5 * count * noise2;
+    good += unexplained < 0.25 * fit.tally.signal[at(sector)] ? 1 : 0;
+  }
+  shares.good = shares.with_pixels > 0 ? static_cast<double>(good) / shares.with_pixels : 0;
+  return shares;
+}
+
+bool is_uncertain(const FittedRings& fit, const Detection& detection) {
+  if (fit.last_step_px < 0 || fit.last_step_px > 0.1 * fit.model.blur_px()) return true;
+  if (!(detection.cov_px2.trace() < kMaxCentreSigma_px * kMaxCentreSigma_px)) return true;
+  return detection.ellipse.minor_px < kMinAxisRatio * detection.ellipse.major_px;
+}
+
+}  // namespace
+
+Status verify_rings(const FittedRings& fit, double outside_share, const DetectorOptions& options,
+                    Detection& detection) {
+  const RingModel& model = fit.model;
+  Detection found;
+  if (!ellipse_of_radius(model, 1, found.ellipse)) return refuse("outer circle is no ellipse");
+  if (found.ellipse.major_px < options.min_diameter_px) return refuse("smaller than min_diameter_px");
+  if (model.contrast() < options.min_contrast) return refuse("contrast below min_contrast");
+  if (fit.noise_grey > kMaxResidual * model.contrast()) return refuse("residuals too large for its contrast");
+  const SectorShares sectors = judge_sectors(fit);
+  if (sectors.good < 0.6) return refuse("too few sectors show the rings");
+  Covariance inverse;
+  if (!invert_equations(fit.evaluation.equations, model.parameters(), inverse)) return refuse("undetermined");
+  if (!rings_are_significant(model, inverse, fit.noise_grey)) return refuse("rings not significant");
+
+  found.centre_px = model.centre_px();
+  found.rings = model.rings;
+  const double unit = fit.noise_grey * fit.noise_grey * model.scale_px * model.scale_px;
+  found.cov_px2 << inverse[0][0], inverse[0][1], inverse[1][0], inverse[1][1];
+  found.cov_px2 *= unit;
+  found.status = DetectionStatus::kOk;
+  if (is_uncertain(fit, found)) found.status = DetectionStatus::kUnstable;
+  if (sectors.good < 0.9) found.status = DetectionStatus::kOccluded;
+  if (outside_share > 0) found.status = DetectionStatus::kCutByBorder;
+  detection = found;
+  return ok_status();
+}
+
+}  // namespace roomcal::marker
