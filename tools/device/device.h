@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/camera/intrinsics.h"
+#include "runtime/math/se3.h"
+
+namespace roomcal::tools {
+
+enum class SensorKind { kCamera, kLidar };
+
+/// Where the drawing says a sensor sits, and how far off it may be. Never a start value: only a check of the result.
+struct NominalMount {
+  SE3 T_rig_sensor;
+  double sigma_t_m = 0;      ///< per axis
+  double sigma_rot_rad = 0;  ///< per axis
+};
+
+struct Sensor {
+  std::string name;
+  SensorKind kind = SensorKind::kCamera;
+  camera::Intrinsics intrinsics;  ///< of a camera
+  std::string lidar_model;        ///< of a LiDAR: "vlp16", "tls", ...
+  std::string file;               ///< of a LiDAR: its file in a shot folder; may be empty
+  std::optional<NominalMount> nominal;
+};
+
+/// What `device.yaml` says: the sensors of one rig, and which of them is the rig's frame.
+struct Device {
+  std::string name;
+  std::string rig_frame;  ///< name of the reference sensor
+  std::vector<Sensor> sensors;
+
+  /// @return nullptr if there is none of that name.
+  const Sensor* find(const std::string& sensor) const;
+};
+
+/// @throws ToolError "<where>: ..." for what no reader or writer may let pass: no sensors, names that are empty, too
+///         long, doubled or hold other characters than letters, digits, `_`, `-`, `.`; an unknown rig frame; a nominal
+///         mount of the rig frame that is not the identity; intrinsics that camera::Camera refuses.
+void check_device(const Device& device, const std::string& where);
+
+/// "pinhole_radtan" or "kannala_brandt".
+std::string to_string(camera::Model model);
+
+}  // namespace roomcal::tools

@@ -1,0 +1,153 @@
+#include "tools/device/device_yaml.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tools/common/files.h"
+#include "tools/common/yaml.h"
+
+namespace roomcal::tools {
+
+namespace {
+
+constexpr int kVersion = 1;
+
+class DeviceReader {
+ public:
+  explicit DeviceReader(const YamlText& yaml) : yaml_(yaml) {}
+
+  Device read() const {
+    const YAML::Node& root = yaml_.root();
+    yaml_.allow_keys(root, {"version", "name", "rig_frame", "sensors"}, "device");
+    const YAML::Node version = yaml_.field(root, "version");
+    if (yaml_.whole_number(version, "version") != kVersion) {
+      yaml_.fail(version, fmt::format("version: this roomcal reads version {}", kVersion));
+    }
+    Device device;
+    device.name = yaml_.text(yaml_.field(root, "name"), "name");
+    device.rig_frame = yaml_.text(yaml_.field(root, "rig_frame"), "rig_frame");
+    const YAML::Node sensors = yaml_.field(root, "sensors");
+    if (!sensors.IsSequence()) yaml_.fail(sensors, "sensors: expected a list, `- name: cam0` and so on");
+    for (const auto& sensor : sensors) device.sensors.push_back(read_sensor(sensor));
+    return device;
+  }
+
+ private:
+  Sensor read_sensor(const YAML::Node& node) const {
+    Sensor sensor;
+    sensor.name = yaml_.text(yaml_.field(node, "name"), "sensor name");
+    const YAML::Node kind = yaml_.field(node, "kind");
+    const std::string kind_text = yaml_.text(kind, sensor.name + ": kind");
+    if (kind_text == "camera") {
+      read_camera(node, sensor);
+    } else if (kind_text == "lidar") {
+      read_lidar(node, sensor);
+    } else {
+      yaml_.fail(kind, fmt::format("{}: kind `{}`; known are camera and lidar", sensor.name, kind_text));
+    }
+    if (node["nominal"].IsDefined()) sensor.nominal = read_nominal(node["nominal"], sensor.name + ": nominal");
+    return sensor;
+  }
+
+  void read_camera(const YAML::Node& node, Sensor& sensor) const {
+    yaml_.allow_keys(node, {"name", "kind", "model", "resolution_px", "intrinsics_px", "distortion", "nominal"},
+                     sensor.name);
+    camera::Intrinsics& intrinsics = sensor.intrinsics;
+    const YAML::Node model = yaml_.field(node, "model");
+    const std::string model_text = yaml_.text(model, sensor.name + ": model");
+    if (model_text == to_string(camera::Model::kKannalaBrandt)) {
+      intrinsics.model = camera::Model::kKannalaBrandt;
+    } else if (model_text != to_string(camera::Model::kPinholeRadtan)) {
+      yaml_.fail(model, fmt::format("{}: model `{}` is not supported; known are pinhole_radtan and kannala_brandt",
+                                    sensor.name, model_text));
+    }
+    const YAML::Node size = yaml_.field(node, "resolution_px");
+    yaml_.numbers(size, 2, sensor.name + ": resolution_px");
+    intrinsics.width_px = yaml_.whole_number(size[0], sensor.name + ": resolution_px");
+    intrinsics.height_px = yaml_.whole_number(size[1], sensor.name + ": resolution_px");
+    const auto f = yaml_.numbers(yaml_.field(node, "intrinsics_px"), 4, sensor.name + ": intrinsics_px");
+    intrinsics.fx_px = f[0];
+    intrinsics.fy_px = f[1];
+    intrinsics.cx_px = f[2];
+    intrinsics.cy_px = f[3];
+    const auto d =
+        yaml_.numbers(yaml_.field(node, "distortion"), camera::kDistortionCount, sensor.name + ": distortion");
+    std::copy(d.begin(), d.end(), intrinsics.distortion.begin());
+  }
+
+  void read_lidar(const YAML::Node& node, Sensor& sensor) const {
+    yaml_.allow_keys(node, {"name", "kind", "model", "file", "nominal"}, sensor.name);
+    sensor.kind = SensorKind::kLidar;
+    sensor.lidar_model = yaml_.text(yaml_.field(node, "model"), sensor.name + ": model");
+    if (node["file"].IsDefined()) sensor.file = yaml_.text(node["file"], sensor.name + ": file");
+  }
+
+  NominalMount read_nominal(const YAML::Node& node, const std::string& what) const {
+    yaml_.allow_keys(node, {"T_rig_sensor", "sigma_t_m", "sigma_rot_deg"}, what);
+    NominalMount nominal;
+    nominal.T_rig_sensor =
+        SE3::from_matrix(yaml_.transform(yaml_.field(node, "T_rig_sensor"), what + ": T_rig_sensor"));
+    nominal.sigma_t_m = yaml_.number(yaml_.field(node, "sigma_t_m"), what + ": sigma_t_m");
+    nominal.sigma_rot_rad = deg_to_rad(yaml_.number(yaml_.field(node, "sigma_rot_deg"), what + ": sigma_rot_deg"));
+    return nominal;
+  }
+
+  const YamlText& yaml_;
+};
+
+// Whatever a YAML reader could take for something else than the plain text that it is.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return result + "\"";
+}
+
+std::string nominal_text(const NominalMount& nominal) {
+  std::string text = "    nominal:\n      T_rig_sensor:\n";
+  const Mat44 T = nominal.T_rig_sensor.matrix();
+  for (int row = 0; row < 4; ++row) {
+    text += fmt::format("        - [{}, {}, {}, {}]\n", T(row, 0), T(row, 1), T(row, 2), T(row, 3));
+  }
+  return text + fmt::format("      sigma_t_m: {}\n      sigma_rot_deg: {}\n", nominal.sigma_t_m,
+                            rad_to_deg(nominal.sigma_rot_rad));
+}
+
+std::string sensor_text(const Sensor& sensor) {
+  std::string text = "  - name: " + quoted(sensor.name) + "\n";
+  if (sensor.kind == SensorKind::kCamera) {
+    const camera::Intrinsics& i = sensor.intrinsics;
+    text += fmt::format("    kind: camera\n    model: {}\n    resolution_px: [{}, {}]\n", to_string(i.model),
+                        i.width_px, i.height_px);
+    text += fmt::format("    intrinsics_px: [{}, {}, {}, {}]\n", i.fx_px, i.fy_px, i.cx_px, i.cy_px);
+    text += fmt::format("    distortion: [{}]\n", fmt::join(i.distortion, ", "));
+  } else {
+    text += "    kind: lidar\n    model: " + quoted(sensor.lidar_model) + "\n";
+    if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";
+  }
+  return sensor.nominal ? text + nominal_text(*sensor.nominal) : text;
+}
+
+}  // namespace
+
+Device parse_device_yaml(const std::string& where, const std::string& text) {
+  const YamlText yaml(where, text);
+  Device device = DeviceReader(yaml).read();
+  check_device(device, where);
+  return device;
+}
+
+std::string to_device_yaml(const Device& device) {
+  std::string text = fmt::format(
+      "# Made by roomcal; T_rig_sensor maps points of the sensor to the rig frame, metres.\nversion: {}\n", kVersion);
+  text += "name: " + quoted(device.name) + "\nrig_frame: " + quoted(device.rig_frame) + "\nsensors:\n";
+  for (const Sensor& sensor : device.sensors) text += sensor_text(sensor);
+  return text;
+}
+
+Device read_device(const std::filesystem::path& path) { return parse_device_yaml(path.string(), read_text(path)); }
+
+}  // namespace roomcal::tools
