@@ -30,7 +30,7 @@ std::size_t size_of(const flatbuffers::Vector<T>* vector) {
 // The verifier looks at a vector's length field only; elements with 8-byte members may still lie askew.
 template <typename T>
 bool is_aligned(const flatbuffers::Vector<T>* vector, std::size_t alignment) {
-  return vector == nullptr || reinterpret_cast<uintptr_t>(vector->Data()) % alignment == 0;
+  return size_of(vector) == 0 || reinterpret_cast<uintptr_t>(vector->Data()) % alignment == 0;
 }
 
 bool is_positive_semi_definite(const fbs::Cov3f& c) {
