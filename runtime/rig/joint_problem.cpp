@@ -1,0 +1,144 @@
+#include "runtime/rig/joint_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/rig/input_check.h"
+#include "runtime/rig/reprojection.h"
+
+namespace roomcal::rig {
+
+namespace {
+
+// Median of the squared length of a white 2-D residual: chi-square with two degrees of freedom, 2 ln 2.
+constexpr double kMedianOfSquare = 1.3862943611198906;
+// Wide enough for every start value; the first update brings it down.
+constexpr double kWidestTurnOver = 1e6;
+
+void lay_out_view(const CameraView& view, std::size_t number, double sigma_floor_px, JointProblem& problem,
+                  uint32_t& next) {
+  problem.views[number] = {view.camera, next, static_cast<uint32_t>(view.observations.size()), kWidestTurnOver};
+  problem.state.T_room_cam[number] = view.T_room_cam;
+  for (const RingObservation& observation : view.observations) {
+    Term& term = problem.terms[next++];
+    term.view = static_cast<uint16_t>(number);
+    term.landmark = observation.landmark;
+    term.centre_px = observation.centre_px;
+    const Mat22 floor = sigma_floor_px * sigma_floor_px * Mat22::Identity();
+    static_cast<void>(whitening(observation.cov_px2 + floor, term.W));  // checked by check_inputs()
+    ++problem.landmarks[observation.landmark].count;
+  }
+}
+
+// Counting sort of the terms by landmark.
+void group_by_landmark(JointProblem& problem) {
+  uint32_t next = 0;
+  for (LandmarkTerms& landmark : problem.landmarks) {
+    landmark.first = next;
+    next += landmark.count;
+    landmark.count = 0;
+  }
+  for (std::size_t i = 0; i < problem.terms.size(); ++i) {
+    LandmarkTerms& landmark = problem.landmarks[problem.terms[i].landmark];
+    problem.by_landmark[landmark.first + landmark.count++] = static_cast<uint32_t>(i);
+  }
+}
+
+}  // namespace
+
+Status JointProblem::build(std::span<const CameraView> views, std::span<const Landmark> landmarks,
+                           const SolveOptions& options, Arena& scratch, JointProblem& problem) {
+  std::size_t observations = 0;
+  for (const CameraView& view : views) observations += view.observations.size();
+  problem.terms = scratch.allocate<Term>(observations);
+  problem.by_landmark = scratch.allocate<uint32_t>(observations);
+  problem.sorted = scratch.allocate<double>(observations);
+  problem.views = scratch.allocate<ViewTerms>(views.size());
+  problem.landmarks = scratch.allocate<LandmarkTerms>(landmarks.size());
+  problem.state = {scratch.allocate<SE3>(views.size()), scratch.allocate<Vec3>(landmarks.size())};
+  problem.trial = {scratch.allocate<SE3>(views.size()), scratch.allocate<Vec3>(landmarks.size())};
+  const bool refused = problem.terms.size() != observations || problem.by_landmark.size() != observations ||
+                       problem.sorted.size() != observations || problem.views.empty() ||
+                       problem.landmarks.size() != landmarks.size() || problem.state.T_room_cam.empty() ||
+                       problem.state.u.size() != landmarks.size() || problem.trial.T_room_cam.empty() ||
+                       problem.trial.u.size() != landmarks.size();
+  if (refused) return out_of_arena("scratch arena: no room for the joint problem: reserve solve_scratch_bytes()");
+
+  problem.robust_scale = options.robust_scale;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    LandmarkTerms& landmark = problem.landmarks[i];
+    landmark.prior_room = landmarks[i].p_room;
+    static_cast<void>(covariance_root(landmarks[i].cov_m2, landmark.L));  // checked by check_inputs()
+    landmark.exact = landmark.L.isZero(0);
+    problem.state.u[i].setZero();
+    problem.trial.u[i].setZero();
+  }
+  uint32_t next = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) lay_out_view(views[i], i, options.sigma_floor_px, problem, next);
+  group_by_landmark(problem);
+  return ok_status();
+}
+
+std::size_t JointProblem::bytes(std::size_t views, std::size_t observations, std::size_t landmarks) {
+  constexpr std::size_t kAlignmentSlack = 9 * alignof(std::max_align_t);
+  return observations * (sizeof(Term) + sizeof(uint32_t) + sizeof(double)) +
+         views * (sizeof(ViewTerms) + 2 * sizeof(SE3)) + landmarks * (sizeof(LandmarkTerms) + 2 * sizeof(Vec3)) +
+         kAlignmentSlack;
+}
+
+double JointProblem::cost(const State& at) const {
+  double sum = 0;
+  for (const Term& term : terms) {
+    const ViewTerms& view = views[term.view];
+    const RedescendingLoss loss(view.turn_over);
+    Vec2 residual_px;
+    const bool seen =
+        reproject(*view.camera, at.T_room_cam[term.view], point_room(at, term.landmark), term.centre_px, residual_px)
+            .ok();
+    sum += seen ? loss((term.W * residual_px).squaredNorm()).loss : loss.max_loss();
+  }
+  for (std::size_t l = 0; l < landmarks.size(); ++l)
+    if (!landmarks[l].exact) sum += at.u[l].squaredNorm();
+  return sum;
+}
+
+void JointProblem::linearize() {
+  for (Term& term : terms) {
+    const camera::Camera& camera = *views[term.view].camera;
+    const Vec3 p_room = point_room(state, term.landmark);
+    Reprojection at;
+    term.visible = reproject(camera, state.T_room_cam[term.view], p_room, term.centre_px, at).ok();
+    if (!term.visible) continue;
+    term.r = term.W * at.residual_px;
+    term.J_pose = term.W * at.J_pose;
+    if (!landmarks[term.landmark].exact) term.J_u = (term.W * at.J_point) * landmarks[term.landmark].L;
+  }
+}
+
+double JointProblem::reweight() {
+  double sum = 0;
+  for (Term& term : terms) {
+    const RedescendingLoss loss(views[term.view].turn_over);
+    const LossAndWeight lw = term.visible ? loss(term.r.squaredNorm()) : LossAndWeight{loss.max_loss(), 0};
+    term.weight = lw.weight;
+    sum += lw.loss;
+  }
+  for (std::size_t l = 0; l < landmarks.size(); ++l)
+    if (!landmarks[l].exact) sum += state.u[l].squaredNorm();
+  return sum;
+}
+
+void JointProblem::update_turn_over() {
+  for (ViewTerms& view : views) {
+    std::size_t count = 0;
+    for (const Term& term : terms.subspan(view.first, view.count))
+      if (term.visible) sorted[count++] = term.r.squaredNorm();
+    if (count == 0) continue;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
+    const double typical = std::sqrt(*middle / kMedianOfSquare);
+    view.turn_over = std::min(view.turn_over, robust_scale * std::max(1.0, typical));
+  }
+}
+
+}  // namespace roomcal::rig

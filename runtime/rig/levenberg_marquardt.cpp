@@ -1,0 +1,55 @@
+#include "runtime/rig/levenberg_marquardt.h"
+
+#include <algorithm>
+
+namespace roomcal::rig {
+
+namespace {
+
+// The locator's poses are a Gauss-Newton step from the answer: hardly any damping to begin with.
+constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e12;
+// The decrement is the squared length of the step in sigmas. Below: converged, relative to the cost's own rounding.
+constexpr double kConverged = 1e-13;
+constexpr double kStillMoving = 1e-2;  // sigma^2; the turn-over follows the residuals as long as steps are this large
+constexpr double kGoodEnough = 1e-4;   // sigma^2, when the rounds are used up
+// A step that damping has shortened proves nothing about convergence.
+constexpr double kUndamped = 1e-3;
+
+void accept_trial(JointProblem& problem) {
+  std::copy(problem.trial.T_room_cam.begin(), problem.trial.T_room_cam.end(), problem.state.T_room_cam.begin());
+  std::copy(problem.trial.u.begin(), problem.trial.u.end(), problem.state.u.begin());
+}
+
+}  // namespace
+
+Status minimize(JointProblem& problem, NormalEquations& equations, int max_iterations, MinimizeReport& report) {
+  problem.linearize();
+  problem.update_turn_over();
+  double cost = problem.reweight();
+  double damping = kFirstDamping, last_decrement = 1e300;
+  for (report.iterations = 1; report.iterations <= max_iterations; ++report.iterations) {
+    double decrement = 0;
+    equations.assemble(problem, damping);
+    const bool solved = equations.step(problem, decrement).ok();
+    const bool tiny = solved && damping <= kUndamped && decrement <= kConverged * (1 + cost);
+    if (!tiny && !(solved && problem.cost(problem.trial) < cost)) {
+      damping *= 10;
+      if (damping > kMostDamping) break;
+      continue;
+    }
+    accept_trial(problem);
+    damping = std::max(kLeastDamping, damping * 0.1);
+    problem.linearize();
+    if (decrement > kStillMoving) problem.update_turn_over();
+    cost = problem.reweight();
+    last_decrement = decrement;
+    if (!tiny) continue;
+    report.stop = StopReason::kConverged;
+    return ok_status();
+  }
+  report.iterations = std::min(report.iterations, max_iterations);
+  if (damping <= kUndamped && last_decrement <= kGoodEnough) return ok_status();
+  return {StatusCode::kNotConverged, "joint fit did not settle: check the map, the intrinsics and the inliers"};
+}
+
+}  // namespace roomcal::rig
