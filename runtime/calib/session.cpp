@@ -69,7 +69,7 @@ Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraO
   const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
   for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
   pose::CameraLocation location;
-  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.map, session.index,
+  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index,
                                             {}, arenas.step, arenas.scratch, location);
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) {

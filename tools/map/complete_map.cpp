@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tools/map/bake_triangles.h"
 #include "tools/map/plane_fit.h"
 
 namespace roomcal::tools {
@@ -15,6 +16,7 @@ void complete_map(MapData& data) {
     marker.normal_room = data.planes[static_cast<std::size_t>(marker.plane)].plane.normal_room;
     marker.has_normal = marker.normal_estimated = true;
   }
+  data.triangles = bake_triangles(data.markers);
 }
 
 }  // namespace roomcal::tools
