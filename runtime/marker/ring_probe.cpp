@@ -1,0 +1,382 @@
+#include "runtime/marker/ring_probe.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "runtime/base/fixed_vector.h"
+#include "runtime/marker/blob_shape.h"
+
+namespace roomcal::marker {
+namespace {
+
+constexpr int kRays = 36;
+constexpr int kMaxSteps = 128;
+constexpr std::size_t kRayCount = kRays;
+constexpr std::size_t kStepCount = kMaxSteps;
+
+/// Every third ray, for a first look at a blob that has nothing but its own shape to speak for it.
+constexpr int kFirstLookStride = 3;
+/// Distance between two edges that a ray must span to resolve them, px.
+constexpr double kResolvedPx = 1.5;
+/// Part of the rays that resolve an edge which must show it, and of all rays that must resolve it.
+constexpr double kSupport = 0.55;
+constexpr double kResolvedPart = 0.28;
+
+using RayMask = uint64_t;
+static_assert(kRays <= 64);
+
+/// Directions of the rays, once.
+struct Directions {
+  std::array<Vec2, kRayCount> u;
+  Directions() {
+    for (std::size_t k = 0; k < kRayCount; ++k) {
+      const double angle = 2 * kPi * static_cast<double>(k) / kRays;
+      u[k] = Vec2(std::cos(angle), std::sin(angle));
+    }
+  }
+};
+
+/// Image along the rays: value[k][i] at centre + i * step * S * u_k, -1 outside the image.
+struct Polar {
+  std::array<std::array<float, kStepCount>, kRayCount> value;
+  std::array<RayMask, kStepCount> visible;  ///< rays inside the image at this step
+  std::array<double, kRayCount> length_px;  ///< |S u_k|
+  int stride = 1;                           ///< rays 0, stride, 2 * stride, .. are sampled
+  int steps = 0;
+  double step = 0;  ///< in multiples of the blob's ellipse
+  Mat22 S = Mat22::Identity();
+  Vec2 centre_px = Vec2::Zero();
+
+  int ray_total() const { return kRays / stride; }
+};
+
+/// Rays that vote for an edge, by step: rising is dark to light, going outwards.
+struct Votes {
+  std::array<RayMask, kStepCount> rising{};
+  std::array<RayMask, kStepCount> falling{};
+};
+
+/// An edge of the marker: on all rays at step `at`.
+struct Edge {
+  int at = -1;
+  bool rising = false;
+  RayMask resolved = 0;  ///< rays that should show it
+};
+
+const Directions& directions() {
+  static const Directions all;
+  return all;
+}
+
+/// Symmetric square root of S^2: (S^2 + sqrt(det) I) / sqrt(trace + 2 sqrt(det)).
+Mat22 shape_root(const Blob& blob) {
+  const double root_det = std::sqrt(std::max(blob.sxx * blob.syy - blob.sxy * blob.sxy, 0.0));
+  const double scale = 1.0 / std::sqrt(blob.sxx + blob.syy + 2 * root_det);
+  Mat22 S;
+  S << blob.sxx + root_det, blob.sxy, blob.sxy, blob.syy + root_det;
+  return S * scale;
+}
+
+float bilinear(ImageView image, double x, double y) {
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  const float fx = static_cast<float>(x - ix);
+  const float fy = static_cast<float>(y - iy);
+  const uint8_t* a = image.row(iy) + ix;
+  const uint8_t* b = a + image.stride();
+  const float top = static_cast<float>(a[0]) + fx * static_cast<float>(a[1] - a[0]);
+  const float bottom = static_cast<float>(b[0]) + fx * static_cast<float>(b[1] - b[0]);
+  return top + fy * (bottom - top);
+}
+
+/// How far outside a blob the marker's outer circle may lie. A quarter of the outer radius is the smallest light disc
+/// in use; each ring that the blob already contains takes its share away.
+double reach(const Blob& blob) {
+  if (blob.dark_depth == 0) return 5.4;
+  if (blob.depth == 1) return 1.6;
+  return blob.dark_depth == 1 ? 4.2 : blob.dark_depth == 2 ? 2.6 : 1.9;
+}
+
+void sample(ImageView image, const Blob& blob, double range, int stride, Polar& polar) {
+  const double pixels = range * half_major(blob);
+  polar.stride = stride;
+  polar.steps = std::clamp(static_cast<int>(pixels / 0.6) + 1, 12, kMaxSteps);
+  polar.step = range / (polar.steps - 1);
+  polar.S = shape_root(blob);
+  polar.centre_px = Vec2(blob.x, blob.y);
+  polar.visible.fill(0);
+  const double x_limit = image.width() - 1.001;
+  const double y_limit = image.height() - 1.001;
+  for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(stride)) {
+    const Vec2 direction = polar.S * directions().u[k];
+    polar.length_px[k] = direction.norm();
+    const Vec2 advance = polar.step * direction;
+    Vec2 p = polar.centre_px;
+    for (int i = 0; i < polar.steps; ++i, p += advance) {
+      const bool inside = p.x() >= 0 && p.y() >= 0 && p.x() < x_limit && p.y() < y_limit;
+      const std::size_t at = static_cast<std::size_t>(i);
+      polar.value[k][at] = inside ? bilinear(image, p.x(), p.y()) : -1.0F;
+      polar.visible[at] |= inside ? RayMask{1} << k : RayMask{0};
+    }
+  }
+}
+
+/// Change across step i of one ray; 0 at its ends and at the image's border.
+float slope(const Polar& polar, std::size_t k, int i) {
+  if (i < 1 || i + 1 >= polar.steps) return 0;
+  const float before = polar.value[k][static_cast<std::size_t>(i - 1)];
+  const float after = polar.value[k][static_cast<std::size_t>(i + 1)];
+  return before < 0 || after < 0 ? 0 : after - before;
+}
+
+Votes vote(const Polar& polar, int first, float least) {
+  Votes votes;
+  for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(polar.stride)) {
+    const RayMask ray = RayMask{1} << k;
+    float previous = slope(polar, k, first - 1);
+    float here = slope(polar, k, first);
+    for (int i = first; i < polar.steps - 1; ++i) {
+      const float next = slope(polar, k, i + 1);
+      const std::size_t at = static_cast<std::size_t>(i);
+      if (here >= least && here >= previous && here > next) votes.rising[at] |= ray;
+      if (-here >= least && -here >= -previous && -here > -next) votes.falling[at] |= ray;
+      previous = here;
+      here = next;
+    }
+  }
+  return votes;
+}
+
+/// Rays that vote near a step: the ellipses of a marker share their centre only nearly, and less so the farther apart.
+RayMask voters(const std::array<RayMask, kStepCount>& votes, const Polar& polar, int i) {
+  const int half = 1 + static_cast<int>(0.03 * i);
+  RayMask all = 0;
+  for (int j = std::max(i - half, 0); j <= std::min(i + half, polar.steps - 1); ++j)
+    all |= votes[static_cast<std::size_t>(j)];
+  return all;
+}
+
+/// Visible rays long enough to tell an edge at step i from the one at step `from`.
+RayMask resolving(const Polar& polar, int from, int i) {
+  RayMask rays = 0;
+  for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(polar.stride))
+    if ((i - from) * polar.step * polar.length_px[k] >= kResolvedPx) rays |= RayMask{1} << k;
+  return rays & polar.visible[static_cast<std::size_t>(i)];
+}
+
+bool supported(RayMask for_it, RayMask resolved, const Polar& polar) {
+  const int able = std::popcount(resolved);
+  return able >= kResolvedPart * polar.ray_total() && std::popcount(for_it & resolved) >= kSupport * able;
+}
+
+/// First supported edge of the wanted sense beyond `from`, at its peak; at = -1 if there is none up to `limit`.
+Edge next_edge(const Votes& votes, const Polar& polar, int from, int limit, bool rising) {
+  const auto& lists = rising ? votes.rising : votes.falling;
+  for (int i = from + 1; i <= std::min(limit, polar.steps - 2); ++i) {
+    const RayMask resolved = resolving(polar, from, i);
+    int most = std::popcount(voters(lists, polar, i) & resolved);
+    if (!supported(voters(lists, polar, i), resolved, polar)) continue;
+    int best = i;
+    const int end = i + 2 + static_cast<int>(0.06 * i);
+    for (int j = i + 1; j <= std::min(end, polar.steps - 2); ++j) {
+      const int count = std::popcount(voters(lists, polar, j) & resolved);
+      if (count > most) {
+        best = j;
+        most = count;
+      }
+    }
+    return {best, rising, resolved};
+  }
+  return {-1, rising, 0};
+}
+
+/// Mean over the visible rays.
+float mean_at(const Polar& polar, int i) {
+  float sum = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(polar.stride)) {
+    const float v = polar.value[k][static_cast<std::size_t>(i)];
+    if (v < 0) continue;
+    sum += v;
+    ++count;
+  }
+  return count == 0 ? 0 : sum / static_cast<float>(count);
+}
+
+/// Contrast between ink and sheet around the blob's edge.
+float edge_contrast(const Polar& polar) {
+  const int one = static_cast<int>(std::lround(1.0 / polar.step));
+  float low = 255;
+  float high = 0;
+  for (int i = std::max(one * 3 / 4, 0); i <= std::min(one + std::max(2, one / 4), polar.steps - 1); ++i) {
+    const float mean = mean_at(polar, i);
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  return high - low;
+}
+
+/// A small dark blob is a marker only if its middle is lighter than what surrounds that: plain dots are not.
+bool light_middle(const Polar& polar, float contrast) {
+  const int one = static_cast<int>(std::lround(1.0 / polar.step));
+  float peak = 0;
+  float drop = 0;
+  for (int i = 0; i <= one; ++i) {
+    const float mean = mean_at(polar, i);
+    peak = std::max(peak, mean);
+    drop = std::max(drop, peak - mean);
+  }
+  return drop >= std::max(2.5F, 0.03F * contrast);
+}
+
+/// Point of each ray where the edge near step `at` is steepest, in multiples of the blob's ellipse.
+int edge_points(const Polar& polar, int at, float least, std::array<Vec2, kRayCount>& points) {
+  int count = 0;
+  const int half = 1 + static_cast<int>(0.07 * at);
+  for (std::size_t k = 0; k < kRayCount; ++k) {
+    int best = at;
+    for (int i = at - half; i <= at + half; ++i)
+      if (slope(polar, k, i) > slope(polar, k, best)) best = i;
+    const float here = slope(polar, k, best);
+    if (here < least) continue;
+    const float before = slope(polar, k, best - 1);
+    const float after = slope(polar, k, best + 1);
+    const float bend = before - 2 * here + after;
+    const double shift = bend < 0 ? std::clamp(static_cast<double>(0.5F * (before - after) / bend), -0.5, 0.5) : 0.0;
+    points[static_cast<std::size_t>(count++)] = (best + shift) * polar.step * directions().u[k];
+  }
+  return count;
+}
+
+using Conic = Eigen::Matrix<double, 5, 1>;
+
+/// Least squares of a x^2 + b x y + c y^2 + d x + e y = 1 over points within `limit` of the conic given.
+bool fit_conic(const std::array<Vec2, kRayCount>& points, int count, double scale, double limit, Conic& conic) {
+  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+  Conic right = Conic::Zero();
+  int used = 0;
+  for (int i = 0; i < count; ++i) {
+    const Vec2 q = points[static_cast<std::size_t>(i)] / scale;
+    Conic row;
+    row << q.x() * q.x(), q.x() * q.y(), q.y() * q.y(), q.x(), q.y();
+    if (std::abs(row.dot(conic) - 1) > limit) continue;
+    normal += row * row.transpose();
+    right += row;
+    ++used;
+  }
+  if (used < 10) return false;
+  const Eigen::LDLT<Eigen::Matrix<double, 5, 5>> solver(normal);
+  if (solver.info() != Eigen::Success || solver.rcond() < 1e-6) return false;
+  conic = solver.solve(right);
+  return true;
+}
+
+/// Ellipse p = centre + S u in the image from a conic in multiples of `scale` of the polar frame.
+bool to_image(const Polar& polar, const Conic& conic, double scale, Vec2& centre_px, Mat22& S2) {
+  Mat22 Q;
+  Q << conic[0], conic[1] / 2, conic[1] / 2, conic[2];
+  if (Q.determinant() <= 0 || Q.trace() <= 0) return false;
+  const Mat22 Q_inverse = Q.inverse();
+  const Vec2 q0 = -0.5 * (Q_inverse * Vec2(conic[3], conic[4]));
+  const double level = 1 + q0.dot(Q * q0);
+  if (level <= 0 || q0.norm() > 0.3) return false;
+  centre_px = polar.centre_px + polar.S * (q0 * scale);
+  S2 = polar.S * Q_inverse * polar.S * (level * scale * scale);
+  return true;
+}
+
+Ellipse to_ellipse(const Vec2& centre_px, const Mat22& S2) {
+  const double mean = (S2(0, 0) + S2(1, 1)) / 2;
+  const double half_difference = (S2(0, 0) - S2(1, 1)) / 2;
+  const double spread = std::hypot(half_difference, S2(0, 1));
+  return {centre_px, 2 * std::sqrt(mean + spread), 2 * std::sqrt(std::max(mean - spread, 0.0)),
+          0.5 * std::atan2(S2(0, 1), half_difference)};
+}
+
+bool crosses_border(ImageView image, const Vec2& centre_px, const Mat22& S2) {
+  const double hx = std::sqrt(S2(0, 0));
+  const double hy = std::sqrt(S2(1, 1));
+  return centre_px.x() - hx < 0.5 || centre_px.y() - hy < 0.5 || centre_px.x() + hx > image.width() - 1.5 ||
+         centre_px.y() + hy > image.height() - 1.5;
+}
+
+using EdgeList = FixedVector<Edge, 12>;
+
+/// Rising edges of the alternation that goes outwards from the blob's own edge, that one included if it rises.
+EdgeList rising_edges(const Votes& votes, const Polar& polar, const Blob& blob) {
+  const int one = static_cast<int>(std::lround(1.0 / polar.step));
+  EdgeList found;
+  Edge edge{one, blob.dark, polar.visible[static_cast<std::size_t>(one)]};
+  if (edge.rising) static_cast<void>(found.push_back(edge));
+  while (!found.full()) {
+    // Dark rings end within 1.6 times their inner radius, light ones within 1.4, in the marker banks in use.
+    const double widest = edge.rising ? 0.5 : 0.75;
+    const int limit = edge.at + std::max(3, static_cast<int>(widest * edge.at));
+    edge = next_edge(votes, polar, edge.at, limit, !edge.rising);
+    if (edge.at < 0) break;
+    if (edge.rising) static_cast<void>(found.push_back(edge));
+  }
+  return found;
+}
+
+/// Ellipse through one rising edge. @return false unless the rays that resolve it lie on one.
+bool fit_edge(const Polar& polar, const Edge& edge, float least, Vec2& centre_px, Mat22& S2) {
+  std::array<Vec2, kRayCount> points;
+  const int count = edge_points(polar, edge.at, least, points);
+  const double scale = edge.at * polar.step;
+  Conic conic;
+  conic << 1, 0, 1, 0, 0;
+  if (!fit_conic(points, count, scale, 0.3, conic) || !fit_conic(points, count, scale, 0.12, conic)) return false;
+  int inliers = 0;
+  const double near = 0.07 + 1.0 / edge.at;  // of the conic's value, twice the relative distance
+  for (int i = 0; i < count; ++i) {
+    const Vec2 q = points[static_cast<std::size_t>(i)] / scale;
+    const double value = conic[0] * q.x() * q.x() + conic[1] * q.x() * q.y() + conic[2] * q.y() * q.y() +
+                         conic[3] * q.x() + conic[4] * q.y();
+    if (std::abs(value - 1) < near) ++inliers;
+  }
+  return inliers >= kSupport * std::popcount(edge.resolved) && to_image(polar, conic, scale, centre_px, S2);
+}
+
+/// A light blob without a concentric dark one around it: is there a thin dark ring at all?
+bool first_look(ImageView image, const Blob& blob, const DetectorOptions& options) {
+  Polar polar;
+  sample(image, blob, 2.0, kFirstLookStride, polar);
+  const float contrast = edge_contrast(polar);
+  if (contrast < 0.3F * static_cast<float>(options.min_contrast)) return false;
+  const Votes votes = vote(polar, std::max(2, static_cast<int>(0.7 / polar.step)), std::max(3.0F, 0.1F * contrast));
+  const int one = static_cast<int>(std::lround(1.0 / polar.step));
+  return next_edge(votes, polar, one, polar.steps, true).at > 0;
+}
+
+}  // namespace
+
+bool probe_rings(ImageView image, const Blob& blob, const DetectorOptions& options, Candidate& found) {
+  if (blob.dark_depth == 0 && !first_look(image, blob, options)) return false;
+  Polar polar;
+  sample(image, blob, reach(blob), 1, polar);
+  const float contrast = edge_contrast(polar);
+  if (contrast < 0.3F * static_cast<float>(options.min_contrast)) return false;
+  const bool unresolved = blob.dark && blob.inner < 0;
+  if (unresolved && !light_middle(polar, contrast)) return false;
+
+  const float least = std::max(3.0F, 0.1F * contrast);
+  const Votes votes = vote(polar, std::max(2, static_cast<int>(0.7 / polar.step)), least);
+  EdgeList edges = rising_edges(votes, polar, blob);
+  Vec2 centre_px;
+  Mat22 S2;
+  while (!edges.empty() && !fit_edge(polar, edges.back(), least, centre_px, S2)) edges.pop_back();
+  if (edges.empty()) return false;
+  found.outer = to_ellipse(centre_px, S2);
+  found.rings = blob.dark_depth + static_cast<int>(edges.size()) - (blob.dark ? 1 : 0);
+  found.touches_border = crosses_border(image, centre_px, S2);
+  return found.outer.major_px >= options.min_diameter_px && found.outer.minor_px >= 0.15 * found.outer.major_px;
+}
+
+}  // namespace roomcal::marker
