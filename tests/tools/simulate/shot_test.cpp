@@ -1,0 +1,92 @@
+#include "tools/simulate/shot.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/common/files.h"
+#include "tools/simulate/make_room.h"
+#include "tools/simulate/shot_files.h"
+
+namespace roomcal::tools {
+namespace {
+
+TEST(PlaceDevice, Extrinsics_FollowTheRuleOfTheTruthFile) {
+  const Scene scene = make_room({.seed = 2});
+  const Device& device = device_named("backpack");
+  const Stand stand = place_device(scene, device, {.seed = 11});
+  for (std::size_t i = 0; i < device.edges.size(); ++i) {
+    const SE3 T_to_from = stand.cameras[i + 1].T_room_cam.inverse() * stand.cameras[0].T_room_cam;
+    const SE3 nominal = device.edges[i].T_to_from();
+    EXPECT_LT((T_to_from.R - so3_exp(stand.perturbations[i].rotvec_rad) * nominal.R).norm(), 1e-12);
+    EXPECT_LT((T_to_from.t - nominal.t - stand.perturbations[i].dt_m).norm(), 1e-12);
+  }
+}
+
+TEST(PlaceDevice, ManySeeds_DeviceStandsInTheRoomAndIsPerturbedAsAsked) {
+  const Scene scene = make_room({.seed = 2, .pillar = true});
+  double rot2 = 0, t2 = 0;
+  int count = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const Stand stand = place_device(scene, device_named("mobile_robot"), {.seed = seed});
+    for (const TrueCamera& camera : stand.cameras) {
+      for (const Plane& wall : scene.walls) EXPECT_GT(wall.signed_distance(camera.T_room_cam.t), 0.3);
+    }
+    for (const Perturbation& drawn : stand.perturbations) {
+      rot2 += drawn.rotvec_rad.squaredNorm();
+      t2 += drawn.dt_m.squaredNorm();
+      count += 3;
+    }
+  }
+  EXPECT_NEAR(rad_to_deg(std::sqrt(rot2 / count)), 1, 0.06);
+  EXPECT_NEAR(std::sqrt(t2 / count), 0.008, 0.0005);
+}
+
+class ShotFiles : public testing::Test {
+ protected:
+  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "roomcal_shot_files";
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+};
+
+TEST_F(ShotFiles, SmallDevice_WritesAllAndTruthFits) {
+  const Scene scene = make_room({.seed = 2, .markers = 120});
+  Device device = device_named("mobile_robot");
+  for (DeviceCamera& camera : device.cameras) {  // a quarter of the size is enough to see the files
+    camera.nominal.width_px = 320;
+    camera.nominal.height_px = 180;
+    for (double* value : {&camera.nominal.fx_px, &camera.nominal.fy_px, &camera.nominal.cx_px, &camera.nominal.cy_px}) {
+      *value /= 4;
+    }
+  }
+  const ShotOptions options{.seed = 3};
+  const Stand stand = place_device(scene, device, options);
+  const LitScene lit(scene);
+  std::vector<Picture> pictures;
+  for (std::size_t i = 0; i < stand.cameras.size(); ++i) {
+    pictures.push_back(take_picture(lit, stand.cameras[i], options, i));
+    write_picture(pictures.back(), stand.cameras[i].name, {}, folder_);
+  }
+  write_shot_facts(scene, stand, pictures, options, folder_);
+
+  const auto truth = nlohmann::json::parse(read_text(folder_ / "truth.json"));
+  EXPECT_EQ(truth.at("extrinsics").size(), 12u);
+  EXPECT_EQ(truth.at("cameras").size(), 4u);
+  const auto nominal = nlohmann::json::parse(read_text(folder_ / "nominal.json"));
+  EXPECT_EQ(nominal.at("edges").size(), 3u);
+  EXPECT_EQ(nominal.at("edges")[0].at("to"), "cam1");
+  EXPECT_NE(read_text(folder_ / "camchain.yaml").find("distortion_model: equidistant"), std::string::npos);
+  for (const TrueCamera& camera : stand.cameras) EXPECT_TRUE(std::filesystem::exists(folder_ / (camera.name + ".png")));
+  // Paper at a marker's middle is bright, the ring around it dark: the picture and its truth agree.
+  for (const MarkerTruth& marker : pictures[0].markers) {
+    if (marker.visible < 1 || marker.outer.minor_px < 16) continue;
+    const int x = static_cast<int>(std::lround(marker.uv_px.x())), y = static_cast<int>(std::lround(marker.uv_px.y()));
+    const double turn = marker.outer.angle_rad, out = 0.325 * marker.outer.major_px / 2;
+    const int ring_x = static_cast<int>(std::lround(marker.uv_px.x() + out * std::cos(turn)));
+    const int ring_y = static_cast<int>(std::lround(marker.uv_px.y() + out * std::sin(turn)));
+    EXPECT_GT(pictures[0].image.at<uint8_t>(y, x), 1.5 * pictures[0].image.at<uint8_t>(ring_y, ring_x)) << marker.id;
+  }
+}
+
+}  // namespace
+}  // namespace roomcal::tools
