@@ -10,11 +10,12 @@
 namespace roomcal::marker {
 namespace {
 
-/// A marker cannot lie in another one: candidates whose centres are this near, in minor half axes, are the same.
+/// Candidates whose centres are this near, in minor half axes of the smaller one, are the same marker. The smaller:
+/// a chance ellipse around several markers must not take the place of one of them.
 constexpr double kSameMarker = 0.5;
 
 bool same_marker(const Candidate& a, const Candidate& b) {
-  const double reach_px = kSameMarker * std::max(a.outer.minor_px, b.outer.minor_px) / 2;
+  const double reach_px = kSameMarker * std::min(a.outer.minor_px, b.outer.minor_px) / 2;
   return (a.outer.centre_px - b.outer.centre_px).squaredNorm() < reach_px * reach_px;
 }
 

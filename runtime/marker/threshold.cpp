@@ -89,24 +89,46 @@ struct WindowRows {
   uint8_t* high;
 };
 
-/// The contrast that one in five neighbourhoods does not reach: walls and sky, so noise.
-int noise_contrast(const Extremes& tiles, const WindowRows& rows) {
-  std::array<int, 256> histogram{};
-  int count = 0;
-  for (int y = 0; y < tiles.low.height(); y += 2) {
-    neighbourhood(tiles.low, y, rows.line, rows.low, kMin);
-    neighbourhood(tiles.high, y, rows.line, rows.high, kMax);
-    for (int x = 0; x < tiles.low.width(); x += 2, ++count)
-      ++histogram[static_cast<std::size_t>(rows.high[x] - rows.low[x])];
-  }
+/// Contrast that a neighbourhood must show, by its lightest pixel: light surfaces are noisier than dark ones.
+using GateTable = std::array<uint8_t, 256>;
+
+constexpr std::size_t kBands = 16;
+constexpr int kMaxNoiseGate = 48;  // more would hide dim markers; beyond it noise costs time, not markers
+
+using ContrastHistogram = std::array<std::array<int, 256>, kBands>;
+
+/// The contrast that one in four neighbourhoods of a band does not reach: walls and sky, so noise.
+int quiet_contrast(const std::array<int, 256>& histogram) {
+  int total = 0;
+  for (const int count : histogram) total += count;
+  if (total < 200) return 0;  // too few to tell noise from what is there
   int below = 0;
   std::size_t level = 0;
-  while (level < 255 && (below += histogram[level]) * 5 < count) ++level;
+  while (level < 255 && (below += histogram[level]) * 4 < total) ++level;
   return static_cast<int>(level);
 }
 
-/// Thresholds of one level: own where the neighbourhood has contrast, else the coarser level's (0: none).
-void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, int gate, const WindowRows& rows,
+GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_contrast) {
+  ContrastHistogram histogram{};
+  for (int y = 0; y < tiles.low.height(); y += 2) {
+    neighbourhood(tiles.low, y, rows.line, rows.low, kMin);
+    neighbourhood(tiles.high, y, rows.line, rows.high, kMax);
+    for (int x = 0; x < tiles.low.width(); x += 2)
+      ++histogram[rows.high[x] / kBands][static_cast<std::size_t>(rows.high[x] - rows.low[x])];
+  }
+  GateTable gates;
+  for (std::size_t band = 0; band < kBands; ++band) {
+    // 1.6: the widest of the quiet neighbourhoods is about that much above their lower quartile (Gaussian noise).
+    const int noise = std::min(quiet_contrast(histogram[band]) * 5 / 4, kMaxNoiseGate);
+    std::fill_n(gates.begin() + static_cast<std::ptrdiff_t>(band * kBands), kBands,
+                static_cast<uint8_t>(std::clamp(std::max(noise, min_contrast), 1, 255)));
+  }
+  return gates;
+}
+
+/// Thresholds of one level: own where the neighbourhood has contrast, else the coarser level's (0: none). A flat
+/// neighbourhood is one colour: a threshold that it inherited must not cut through its noise.
+void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, const GateTable& gates, const WindowRows& rows,
                 Span2D<uint8_t> out) {
   for (int y = 0; y < out.height(); ++y) {
     neighbourhood(tiles.low, y, rows.line, rows.low, kMin);
@@ -116,22 +138,11 @@ void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, int gate,
     for (int x = 0; x < out.width(); ++x) {
       const int low = rows.low[x];
       const int high = rows.high[x];
-      const uint8_t inherited = fallback == nullptr ? uint8_t{0} : fallback[x / 2];
-      thresholds[x] = high - low >= gate ? static_cast<uint8_t>((low + high + 1) / 2) : inherited;
-    }
-  }
-}
-
-/// A flat tile is one colour: a threshold that it inherited must not cut through its noise.
-void settle_flat_tiles(const Extremes& tiles, int gate, Span2D<uint8_t> thresholds) {
-  for (int y = 0; y < thresholds.height(); ++y) {
-    const uint8_t* low = tiles.low.row(y);
-    const uint8_t* high = tiles.high.row(y);
-    uint8_t* t = thresholds.row(y);
-    for (int x = 0; x < thresholds.width(); ++x) {
-      const bool cuts = high[x] - low[x] < gate / 2 && t[x] > low[x] && t[x] <= high[x];
-      const uint8_t side = (low[x] + high[x]) / 2 < t[x] ? uint8_t{255} : uint8_t{0};
-      t[x] = cuts ? side : t[x];
+      const int middle = (low + high + 1) / 2;
+      const int inherited = fallback == nullptr ? 0 : fallback[x / 2];
+      const bool cuts = inherited > low && inherited <= high;
+      const int settled = cuts ? (middle < inherited ? 255 : 0) : inherited;
+      thresholds[x] = static_cast<uint8_t>(high - low >= gates[rows.high[x]] ? middle : settled);
     }
   }
 }
@@ -173,13 +184,11 @@ Status compute_thresholds(ImageView image, int min_contrast, Arena& arena, Thres
     coarsen(tiles[level - 1].low, tiles[level].low, kMin);
     coarsen(tiles[level - 1].high, tiles[level].high, kMax);
   }
-  // 1.6: the widest of the quiet neighbourhoods is about that much above their twenty-percentile (Gaussian noise).
-  map.gate = std::clamp(noise_contrast(tiles[0], rows) * 8 / 5, min_contrast, std::max(min_contrast, 64));
+  const GateTable gates = noise_gates(tiles[0], rows, min_contrast);
   for (std::size_t level = kLevels; level-- > 0;) {
     const Span2D<uint8_t>* coarser = level + 1 < kLevels ? &thresholds[level + 1] : nullptr;
-    fill_level(tiles[level], coarser, map.gate, rows, thresholds[level]);
+    fill_level(tiles[level], coarser, gates, rows, thresholds[level]);
   }
-  settle_flat_tiles(tiles[0], map.gate, thresholds[0]);
   map.tiles = thresholds[0];
   return ok_status();
 }

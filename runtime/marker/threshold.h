@@ -16,7 +16,6 @@ inline constexpr int kTilePx = 4;
 /// One threshold per tile: a pixel is dark where it is below. 0 means the whole tile is light.
 struct ThresholdMap {
   Span2D<uint8_t> tiles;  ///< ceil(width / kTilePx) x ceil(height / kTilePx)
-  int gate = 0;           ///< grey levels of contrast that a neighbourhood had to show
 
   /// Dark or light, at a pixel inside the image.
   bool dark(ImageView image, int x, int y) const { return image(x, y) < tiles(x / kTilePx, y / kTilePx); }
@@ -28,7 +27,7 @@ std::size_t threshold_bytes(int width_px, int height_px);
 /// Middle between the darkest and the lightest pixel of the smallest neighbourhood that shows enough contrast.
 ///
 /// Neighbourhoods are 3 x 3 tiles of 4, 8, .. 64 px: the finest resolves the rings of small markers, the coarser ones
-/// fill the flat insides of wide rings. The gate is min_contrast or what noise alone would show, whichever is more:
+/// fill the flat insides of wide rings. The gate is min_contrast or what noise alone shows at that brightness:
 /// on a noisy wall every tile has "contrast", and the components of noise cost more time than all markers.
 ///
 /// @param[out] map  lives as long as the arena's scope.
