@@ -8,8 +8,11 @@ namespace {
 
 // The locator's poses are a Gauss-Newton step from the answer: hardly any damping to begin with.
 constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e12;
-// The decrement is the squared length of the step in sigmas. Below: converged, relative to the cost's own rounding.
-constexpr double kConverged = 1e-13;
+// The decrement is the squared length of the step in sigmas; the relative part is the rounding of large costs.
+constexpr double kConverged = 1e-10, kConvergedRelative = 1e-12;
+// A step of less than 0.001 sigma that does not lower the cost: pixels are rounded to 1e-13, the cost therefore to
+// 1e-11.
+constexpr double kRounding = 1e-6;
 constexpr double kStillMoving = 1e-2;  // sigma^2; the turn-over follows the residuals as long as steps are this large
 constexpr double kGoodEnough = 1e-4;   // sigma^2, when the rounds are used up
 // A step that damping has shortened proves nothing about convergence.
@@ -31,8 +34,12 @@ Status minimize(JointProblem& problem, NormalEquations& equations, int max_itera
     double decrement = 0;
     equations.assemble(problem, damping);
     const bool solved = equations.step(problem, decrement).ok();
-    const bool tiny = solved && damping <= kUndamped && decrement <= kConverged * (1 + cost);
+    const bool tiny = solved && damping <= kUndamped && decrement <= kConverged + kConvergedRelative * cost;
     if (!tiny && !(solved && problem.cost(problem.trial) < cost)) {
+      if (solved && damping <= kUndamped && decrement <= kRounding) {
+        report.stop = StopReason::kConverged;
+        return ok_status();
+      }
       damping *= 10;
       if (damping > kMostDamping) break;
       continue;
