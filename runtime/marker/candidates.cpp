@@ -4,6 +4,7 @@
 
 #include "runtime/marker/blob_shape.h"
 #include "runtime/marker/components.h"
+#include "runtime/marker/cut_piece.h"
 #include "runtime/marker/ring_probe.h"
 #include "runtime/marker/threshold.h"
 
@@ -19,9 +20,8 @@ bool same_marker(const Candidate& a, const Candidate& b) {
   return (a.outer.centre_px - b.outer.centre_px).squaredNorm() < reach_px * reach_px;
 }
 
-bool better(const Candidate& a, const Candidate& b) {
-  return a.rings != b.rings ? a.rings > b.rings : a.outer.major_px > b.outer.major_px;
-}
+/// The one that reached farther out: each was seen on most rays, and the other stopped at an inner ring.
+bool better(const Candidate& a, const Candidate& b) { return a.outer.major_px > b.outer.major_px; }
 
 void add(const Candidate& candidate, CandidateList& list) {
   for (Candidate& known : list.items.first(list.count)) {
@@ -61,6 +61,18 @@ void probe_blobs(ImageView image, const DetectorOptions& options, const Componen
   }
 }
 
+/// Markers that the border cuts: their regions are no nests, but each has an arc of an ellipse.
+void probe_cut_pieces(ImageView image, const DetectorOptions& options, const ThresholdMap& map,
+                      const ComponentTable& table, CandidateList& list) {
+  for (const CutPiece& piece : table.pieces.first(table.piece_count)) {
+    Blob blob;
+    if (!fit_cut_piece(image, map, piece, blob)) continue;
+    Candidate candidate;
+    ++list.probed;
+    if (probe_rings(image, blob, options, candidate)) add(candidate, list);
+  }
+}
+
 }  // namespace
 
 std::size_t candidate_capacity(int width_px, int height_px) {
@@ -84,6 +96,7 @@ Status find_candidates(ImageView image, const DetectorOptions& options, Arena& a
   list.components = table.dark_components;
   list.dropped = table.dropped;
   probe_blobs(image, options, table, list);
+  probe_cut_pieces(image, options, thresholds, table, list);
   return ok_status();
 }
 

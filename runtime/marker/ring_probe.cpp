@@ -5,12 +5,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <span>
 
 #include "runtime/base/fixed_vector.h"
 #include "runtime/marker/blob_shape.h"
+#include "runtime/marker/conic.h"
 
 namespace roomcal::marker {
 namespace {
@@ -254,43 +253,6 @@ int edge_points(const Polar& polar, int at, float least, std::array<Vec2, kRayCo
   return count;
 }
 
-using Conic = Eigen::Matrix<double, 5, 1>;
-
-/// Least squares of a x^2 + b x y + c y^2 + d x + e y = 1 over points within `limit` of the conic given.
-bool fit_conic(const std::array<Vec2, kRayCount>& points, int count, double scale, double limit, Conic& conic) {
-  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
-  Conic right = Conic::Zero();
-  int used = 0;
-  for (int i = 0; i < count; ++i) {
-    const Vec2 q = points[static_cast<std::size_t>(i)] / scale;
-    Conic row;
-    row << q.x() * q.x(), q.x() * q.y(), q.y() * q.y(), q.x(), q.y();
-    if (std::abs(row.dot(conic) - 1) > limit) continue;
-    normal += row * row.transpose();
-    right += row;
-    ++used;
-  }
-  if (used < 10) return false;
-  const Eigen::LDLT<Eigen::Matrix<double, 5, 5>> solver(normal);
-  if (solver.info() != Eigen::Success || solver.rcond() < 1e-6) return false;
-  conic = solver.solve(right);
-  return true;
-}
-
-/// Ellipse p = centre + S u in the image from a conic in multiples of `scale` of the polar frame.
-bool to_image(const Polar& polar, const Conic& conic, double scale, Vec2& centre_px, Mat22& S2) {
-  Mat22 Q;
-  Q << conic[0], conic[1] / 2, conic[1] / 2, conic[2];
-  if (Q.determinant() <= 0 || Q.trace() <= 0) return false;
-  const Mat22 Q_inverse = Q.inverse();
-  const Vec2 q0 = -0.5 * (Q_inverse * Vec2(conic[3], conic[4]));
-  const double level = 1 + q0.dot(Q * q0);
-  if (level <= 0 || q0.norm() > 0.3) return false;
-  centre_px = polar.centre_px + polar.S * (q0 * scale);
-  S2 = polar.S * Q_inverse * polar.S * (level * scale * scale);
-  return true;
-}
-
 Ellipse to_ellipse(const Vec2& centre_px, const Mat22& S2) {
   const double mean = (S2(0, 0) + S2(1, 1)) / 2;
   const double half_difference = (S2(0, 0) - S2(1, 1)) / 2;
@@ -327,21 +289,23 @@ EdgeList rising_edges(const Votes& votes, const Polar& polar, const Blob& blob) 
 
 /// Ellipse through one rising edge. @return false unless the rays that resolve it lie on one.
 bool fit_edge(const Polar& polar, const Edge& edge, float least, Vec2& centre_px, Mat22& S2) {
-  std::array<Vec2, kRayCount> points;
-  const int count = edge_points(polar, edge.at, least, points);
+  std::array<Vec2, kRayCount> store;
+  const std::span<Vec2> points(store.data(), static_cast<std::size_t>(edge_points(polar, edge.at, least, store)));
   const double scale = edge.at * polar.step;
-  Conic conic;
-  conic << 1, 0, 1, 0, 0;
-  if (!fit_conic(points, count, scale, 0.3, conic) || !fit_conic(points, count, scale, 0.12, conic)) return false;
-  int inliers = 0;
-  const double near = 0.07 + 1.0 / edge.at;  // of the conic's value, twice the relative distance
-  for (int i = 0; i < count; ++i) {
-    const Vec2 q = points[static_cast<std::size_t>(i)] / scale;
-    const double value = conic[0] * q.x() * q.x() + conic[1] * q.x() * q.y() + conic[2] * q.y() * q.y() +
-                         conic[3] * q.x() + conic[4] * q.y();
-    if (std::abs(value - 1) < near) ++inliers;
-  }
-  return inliers >= kSupport * std::popcount(edge.resolved) && to_image(polar, conic, scale, centre_px, S2);
+  for (Vec2& point : points) point /= scale;
+  Conic conic = unit_circle();
+  if (!fit_conic(points, 0.3, conic) || !fit_conic(points, 0.12, conic)) return false;
+  const double near = 0.07 + 1.0 / edge.at;
+  const auto inliers = std::count_if(points.begin(), points.end(), [&conic, near](const Vec2& point) {
+    return std::abs(conic_value(conic, point) - 1) < near;
+  });
+  Vec2 centre;
+  Mat22 shape;
+  if (static_cast<double>(inliers) < kSupport * std::popcount(edge.resolved)) return false;
+  if (!conic_ellipse(conic, centre, shape) || centre.norm() > 0.3) return false;
+  centre_px = polar.centre_px + polar.S * (centre * scale);
+  S2 = polar.S * shape * polar.S * (scale * scale);
+  return true;
 }
 
 /// A light blob without a concentric dark one around it: is there a thin dark ring at all?
@@ -363,7 +327,8 @@ bool probe_rings(ImageView image, const Blob& blob, const DetectorOptions& optio
   sample(image, blob, reach(blob), 1, polar);
   const float contrast = edge_contrast(polar);
   if (contrast < 0.3F * static_cast<float>(options.min_contrast)) return false;
-  const bool unresolved = blob.dark && blob.inner < 0;
+  const bool unresolved = blob.dark && blob.inner < 0 &&
+                          polar.visible[0] == polar.visible[static_cast<std::size_t>(std::lround(1.0 / polar.step))];
   if (unresolved && !light_middle(polar, contrast)) return false;
 
   const float least = std::max(3.0F, 0.1F * contrast);
