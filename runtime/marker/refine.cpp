@@ -89,6 +89,7 @@ double robust_sigma(std::span<float> magnitudes) {
 // Coarse to fine: a thinned set at a scale that forgives the start, again at the noise's scale, then undamped steps on
 // all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
 Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
+  constexpr double kTypicalNoise = 2;
   constexpr double kOutlierSigmas = 5;  // costs 3 % of the information of Gaussian noise
   RingPixels all, few;
   ROOMCAL_TRY(gather_ring_pixels(image, fit.model, kFitReach, scratch, all));
@@ -97,16 +98,17 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   if (magnitudes.empty()) return out_of_scratch();
   const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));
 
-  fit_rings(few, {0.5 * fit.model.contrast()}, 8, fit.model);
+  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, 8, fit.model);
   evaluate(fit.model, few, {}, few_magnitudes, nullptr, fit.evaluation);
   fit.noise_grey = robust_sigma(few_magnitudes);
-  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, 5, fit.model);
-  for (int step = 0; step < 3; ++step) {
+  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, 5, fit.model);
+  for (int step = 0; step < 4; ++step) {
     fit.tally = {};
     evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);
     fit.noise_grey = robust_sigma(magnitudes);
-    fit.last_step_px = newton_step(fit.evaluation, fit.noise_grey, fit.model);
-    if (fit.last_step_px < 0.1 * fit.model.blur_px()) break;
+    add_priors(fit.model, fit.noise_grey, fit.evaluation.equations);
+    fit.last_step_px = newton_step(fit.evaluation.equations, fit.model);
+    if (fit.last_step_px < 0.02 * fit.model.blur_px()) break;
   }
   return ok_status();
 }
@@ -131,7 +133,7 @@ double outside_share(ImageView image, const RingModel& model) {
 
 bool is_sane(const Ellipse& ellipse) {
   return std::isfinite(ellipse.centre_px.x()) && std::isfinite(ellipse.centre_px.y()) &&
-         std::isfinite(ellipse.angle_rad) && ellipse.minor_px > 1 && ellipse.major_px >= ellipse.minor_px &&
+         std::isfinite(ellipse.angle_rad) && ellipse.minor_px > 1 && ellipse.major_px > 1 && ellipse.minor_px < 20000 &&
          ellipse.major_px < 20000;
 }
 

@@ -10,6 +10,9 @@ namespace {
 // Beyond this many sigma an edge is a plain step.
 constexpr float kEdgeReach = 3.2F;
 
+constexpr float kMaxBend = 0.12F;
+constexpr float kMaxShift = 0.5F;
+
 // Odd polynomial for Phi(t) - 1/2 on |t| <= 3.2, value 1/2 and slope 0 at the ends, least squares in between; off by
 // 7e-4 at most. Its exact derivative stands in for the density, so that model and Jacobian agree.
 constexpr std::array<float, 6> kStep{0.398669426F,     -0.0656465649F,  0.0092134411F,
@@ -22,6 +25,8 @@ struct BlockGeometry {
   float gradient_x[kBlockPixels];    // d r / d x
   float gradient_y[kBlockPixels];
   float inverse_distance[kBlockPixels];  // 1 / (|grad r| sigma): r to sigmas
+  float bend[kBlockPixels];              // second order of the distance to an edge: t = t0 (1 + bend t0)
+  float shift[kBlockPixels];             // sigma * curvature / 2: blurred curved edges move inwards
   float paper[kBlockPixels];             // w
   float density[kBlockPixels];           // sum_j s_j phi(t_j)
   float moment[kBlockPixels];            // sum_j s_j phi(t_j) t_j
@@ -31,7 +36,8 @@ void measure_geometry(const RingModel& model, const RingPixels& pixels, int firs
   const auto value = [&](int i) { return static_cast<float>(model[i]); };
   const float cx = value(kCentreX), cy = value(kCentreY), w00 = value(kShape00), w10 = value(kShape10),
               w11 = value(kShape11), hx = value(kLineX), hy = value(kLineY);
-  const float inverse_blur = 1.0F / value(kBlur);
+  const float blur = value(kBlur), inverse_blur = 1.0F / blur;
+  const float frobenius2 = w00 * w00 + w10 * w10 + w11 * w11;
   const float* x = pixels.x.data() + first;
   const float* y = pixels.y.data() + first;
   for (int i = 0; i < kBlockPixels; ++i) {
@@ -44,12 +50,28 @@ void measure_geometry(const RingModel& model, const RingPixels& pixels, int firs
     const float r = norm * inverse_line;
     const float gx = (w00 * a + w10 * b - r * hx) * inverse_line;
     const float gy = (w11 * b - r * hy) * inverse_line;
+    const float square = gx * gx + gy * gy;
+    const float inverse_gradient = 1.0F / std::sqrt(square);
+    // Second derivatives of r along the edge's normal n and in total, from those of |W d|.
+    const float nx = gx * inverse_gradient, ny = gy * inverse_gradient;
+    const float mx = w00 * a + w10 * b, my = w11 * b;
+    const float wn0 = w00 * nx, wn1 = w10 * nx + w11 * ny;
+    const float slope = mx * nx + my * ny;
+    const float along_normal =
+        inverse_line * ((wn0 * wn0 + wn1 * wn1 - slope * slope) * inverse_norm - 2.0F * slope * (hx * nx + hy * ny));
+    const float laplacian =
+        inverse_line * ((frobenius2 - mx * mx - my * my) * inverse_norm - 2.0F * (mx * hx + my * hy));
+    const float bend = 0.5F * blur * along_normal * inverse_gradient;
+    const float shift = 0.5F * blur * (laplacian - along_normal) * inverse_gradient;
+    // Limits keep t monotonic, and the centre's own pixels finite.
+    g.bend[i] = bend < -kMaxBend ? -kMaxBend : (bend > kMaxBend ? kMaxBend : bend);
+    g.shift[i] = shift > kMaxShift ? kMaxShift : shift;
     g.dx[i] = dx;
     g.dy[i] = dy;
     g.inverse_line[i] = inverse_line;
     g.gradient_x[i] = gx;
     g.gradient_y[i] = gy;
-    g.inverse_distance[i] = inverse_blur / std::sqrt(gx * gx + gy * gy);
+    g.inverse_distance[i] = inverse_blur * inverse_gradient;
     block.direction_x[i] = a;
     block.direction_y[i] = b;
     block.radius[i] = r;
@@ -76,7 +98,11 @@ Range range_of(const float* value) {
 // Adds one edge's blurred step; `radius_row` receives d w / d rho / (paper contrast) = -s phi / (|grad r| sigma).
 void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, float* radius_row) {
   for (int i = 0; i < kBlockPixels; ++i) {
-    float t = (block.radius[i] - rho) * g.inverse_distance[i];
+    float t0 = (block.radius[i] - rho) * g.inverse_distance[i];
+    t0 = t0 < -kEdgeReach ? -kEdgeReach : t0;
+    t0 = t0 > kEdgeReach ? kEdgeReach : t0;
+    const float stretch = 1.0F + 2.0F * g.bend[i] * t0;
+    float t = t0 * (1.0F + g.bend[i] * t0) + g.shift[i];
     t = t < -kEdgeReach ? -kEdgeReach : t;
     t = t > kEdgeReach ? kEdgeReach : t;
     const float q = t * t;
@@ -86,9 +112,9 @@ void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, f
         sign * (kStep[0] +
                 q * (3 * kStep[1] + q * (5 * kStep[2] + q * (7 * kStep[3] + q * (9 * kStep[4] + q * 11 * kStep[5])))));
     g.paper[i] += sign * (0.5F + step);
-    g.density[i] += density;
+    g.density[i] += density * stretch;
     g.moment[i] += density * t;
-    radius_row[i] = -density * g.inverse_distance[i];
+    radius_row[i] = -density * stretch * g.inverse_distance[i];
   }
 }
 
@@ -134,6 +160,7 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
   const float l0 = static_cast<float>(model[kLight0]), lx = static_cast<float>(model[kLightX]),
               ly = static_cast<float>(model[kLightY]), ink = static_cast<float>(model[kInk]);
   const float inverse_blur = 1.0F / static_cast<float>(model[kBlur]);
+  const float blur2 = static_cast<float>(model[kBlur] * model[kBlur]);
   const float inverse_scale2 = static_cast<float>(1.0 / (weighting.scale_grey * weighting.scale_grey));
   const float* x = pixels.x.data() + first;
   const float* y = pixels.y.data() + first;
@@ -144,8 +171,13 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
   for (int i = 0; i < kBlockPixels; ++i) {
     const float light = l0 + lx * x[i] + ly * y[i];
     const float reflectance = ink + (1.0F - ink) * g.paper[i];
-    block.residual[i] = grey[i] - light * reflectance;
-    const float weight = weight_of(grey[i], light * reflectance, block.residual[i], inverse_scale2);
+    // The blur acts on light times print: for affine light that adds sigma^2 grad(light) . grad(print), which moves
+    // every edge the same way; without it the centre is off by sigma^2 |grad(light)| / light.
+    const float print_slope = (1.0F - ink) * g.density[i] * g.inverse_distance[i];
+    const float blurred_light = blur2 * (lx * g.gradient_x[i] + ly * g.gradient_y[i]) * print_slope;
+    const float predicted = light * reflectance + blurred_light;
+    block.residual[i] = grey[i] - predicted;
+    const float weight = weight_of(grey[i], predicted, block.residual[i], inverse_scale2);
     block.weight[i] = i < valid ? weight : 0.0F;
     paper_light[i] = light * (1.0F - ink);
     block.slope[i] = paper_light[i] * g.density[i] * g.inverse_distance[i];

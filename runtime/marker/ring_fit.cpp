@@ -62,18 +62,6 @@ bool solve_step(const NormalEquations& equations, int n, double damping, Vector&
   return true;
 }
 
-// Perspective is hard to see in a small slanted marker; this keeps the equations regular and says no more than that
-// h is below one. It is worth one pixel of noise `noise_grey`.
-void add_line_prior(const RingModel& model, double noise_grey, NormalEquations& equations) {
-  constexpr double kSigma = 0.5;
-  const double weight = noise_grey * noise_grey / (kSigma * kSigma);
-  for (const int i : {kLineX, kLineY}) {
-    equations.sum[at(i)][at(i)] += weight;
-    equations.sum[at(i)][kMaxParameters] -= weight * model[i];
-    equations.cost += weight * model[i] * model[i];
-  }
-}
-
 RingModel moved(const RingModel& model, const Vector& step) {
   RingModel trial = model;
   for (int i = 0; i < model.parameters(); ++i) trial[i] += step[at(i)];
@@ -103,7 +91,26 @@ void tally_block(const RingBlock& block, const RingPixels& pixels, int first, do
   }
 }
 
+struct Prior {
+  int parameter;
+  double mean, sigma;
+};
+
 }  // namespace
+
+void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations) {
+  // Small or slanted markers do not tell blur, ink and ring width apart, nor perspective from slant. These say what
+  // every printed sheet and lens obeys; from 25 px on they are lost beside the data.
+  const Prior priors[] = {
+      {kLineX, 0, 0.5}, {kLineY, 0, 0.5}, {kInk, 0.2, 0.2}, {kBlur, 0.9 / model.scale_px, 0.5 / model.scale_px}};
+  for (const Prior& prior : priors) {
+    const double weight = noise_grey * noise_grey / (prior.sigma * prior.sigma);
+    const double error = prior.mean - model[prior.parameter];
+    equations.sum[at(prior.parameter)][at(prior.parameter)] += weight;
+    equations.sum[at(prior.parameter)][kMaxParameters] += weight * error;
+    equations.cost += weight * error * error;
+  }
+}
 
 void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
               std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation) {
@@ -122,13 +129,12 @@ void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWe
   }
 }
 
-int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int max_iterations, RingModel& model) {
-  // Half a grey level: rounding alone; the prior is a regularizer, its exact weight does not matter.
-  constexpr double kNoiseGrey = 0.5;
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
+              RingModel& model) {
   constexpr double kDonePx = 0.004;
   RingEvaluation now, next;
   evaluate(model, pixels, weighting, {}, nullptr, now);
-  add_line_prior(model, kNoiseGrey, now.equations);
+  add_priors(model, noise_grey, now.equations);
   double damping = 1e-3;
   int accepted = 0;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -143,7 +149,7 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int 
       continue;
     }
     evaluate(trial, pixels, weighting, {}, nullptr, next);
-    add_line_prior(trial, kNoiseGrey, next.equations);
+    add_priors(trial, noise_grey, next.equations);
     if (next.equations.cost > now.equations.cost) {
       damping *= 10;
       continue;
@@ -157,9 +163,7 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int 
   return accepted;
 }
 
-double newton_step(const RingEvaluation& evaluation, double noise_grey, RingModel& model) {
-  NormalEquations equations = evaluation.equations;
-  add_line_prior(model, noise_grey, equations);
+double newton_step(const NormalEquations& equations, RingModel& model) {
   Vector step{};
   if (!solve_step(equations, model.parameters(), 0, step)) return -1;
   const RingModel trial = moved(model, step);

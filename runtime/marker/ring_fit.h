@@ -22,12 +22,16 @@ struct RingEvaluation {
 void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
               std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation);
 
+/// Adds what is known of every marker beforehand, as observations of noise `noise_grey`.
+void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations);
+
 /// Levenberg-Marquardt from `model`, which never leaves is_plausible().
 /// @return iterations that lowered the cost.
-int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, int max_iterations, RingModel& model);
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
+              RingModel& model);
 
-/// One undamped Gauss-Newton step from an evaluation. @return its length in the centre, px; negative if refused.
-double newton_step(const RingEvaluation& evaluation, double noise_grey, RingModel& model);
+/// One undamped Gauss-Newton step. @return its length in the centre, px; negative if refused.
+double newton_step(const NormalEquations& equations, RingModel& model);
 
 /// Inverse of the normal equations: covariance per unit of noise variance (grey^2), in model units.
 /// @return false if singular. Rows of unknowns without information (a ring out of sight) are zero.

@@ -31,7 +31,8 @@ inline constexpr int kMaxParameters = kFirstRadius + kMaxEdges - 1;
 /// One ring marker as a picture: a homography of concentric circles, the light on them, and the blur.
 ///
 /// With x = (p - origin_px) / scale_px, d = x - c:  r(x) = |W d| / (1 + h . d)  is 1 on the outer circle, and
-///     I(x) = (l0 + l1 x + l2 y) * (k + (1 - k) w(x)),   w = 1 + sum_j s_j Phi((r - rho_j) / (|grad r| sigma))
+///     I = L (k + (1 - k) w) + sigma^2 (1 - k) grad L . grad w,   L(x) = l0 + l1 x + l2 y,
+///     w = 1 + sum_j s_j Phi((r - rho_j) / (|grad r| sigma))
 /// where s_j alternates from +1 at the outer edge (rho_0 = 1), W is lower triangular, k is the ink's share of the
 /// paper's reflectance. The blur is isotropic in pixels, not in r: under slant a blur in r costs a factor of five.
 /// c is the projection of the circles' common centre: r = 0 there for every h.
