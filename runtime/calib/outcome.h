@@ -35,10 +35,10 @@ struct CameraOutcome {
   SensorName name;
   bool has_image = false;
   bool located = false;
-  bool in_rig = false;  ///< located, and so is the reference: T_rig_cam is valid
-  SE3 T_rig_cam;        ///< after the joint solution
-  SE3 T_room_cam;       ///< after the joint solution
-  Mat66 cov_rig_cam;    ///< of T_rig_cam, right perturbation (m, rad); zero for the reference itself
+  bool in_rig = false;                ///< located, and so is the reference: T_rig_cam is valid
+  SE3 T_rig_cam;                      ///< after the joint solution
+  SE3 T_room_cam;                     ///< after the joint solution
+  Mat66 cov_rig_cam = Mat66::Zero();  ///< of T_rig_cam, right perturbation (m, rad); zero for the reference itself
   std::span<marker::Detection> detections;  ///< lives in the step arena; usable ones first
   std::size_t usable_detections = 0;
   std::span<pose::Correspondence> inliers;  ///< observation = number in `detections`; lives in the step arena

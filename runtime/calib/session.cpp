@@ -9,20 +9,14 @@ namespace roomcal::calib {
 
 namespace {
 
-/// Adds the time since its construction to one stage.
-class StageTimer {
- public:
-  StageTimer(const ports::Clock& clock, Stage stage, Outcome& outcome)
-      : clock_(clock), total_ns_(outcome.stage_ns[static_cast<std::size_t>(stage)]), start_ns_(clock.now_ns()) {}
-  ~StageTimer() { total_ns_ += clock_.now_ns() - start_ns_; }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  const ports::Clock& clock_;
-  int64_t& total_ns_;
-  int64_t start_ns_;
-};
+/// Runs one step of the session and notes its time.
+template <typename Step>
+Status timed(Stage stage, const ports::Clock& clock, Outcome& outcome, const Step& step) {
+  const int64_t start_ns = clock.now_ns();
+  const Status status = step();
+  outcome.stage_ns[static_cast<std::size_t>(stage)] = clock.now_ns() - start_ns;
+  return status;
+}
 
 /// "<camera>: <code>: <detail>", for a status that a camera ran into.
 Reason camera_reason(const SensorName& name, const Status& status) {
@@ -30,8 +24,7 @@ Reason camera_reason(const SensorName& name, const Status& status) {
                      status.detail());
 }
 
-void begin(const Session& session, std::span<const ImageView> images, Outcome& outcome) {
-  outcome = Outcome();
+void preflight(const Session& session, std::span<const ImageView> images, Outcome& outcome) {
   outcome.reference = session.device.reference;
   for (std::size_t i = 0; i < images.size(); ++i) {
     CameraOutcome camera;
@@ -69,8 +62,8 @@ Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraO
   const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
   for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
   pose::CameraLocation location;
-  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index,
-                                            {}, arenas.step, arenas.scratch, location);
+  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index, {},
+                                            arenas.step, arenas.scratch, location);
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) {
     camera.failure = camera_reason(camera.name, status);
@@ -156,37 +149,21 @@ Status refine_jointly(const Session& session, Arenas& arenas, Outcome& outcome) 
   return ok_status();
 }
 
-Status run(const Session& session, std::span<const ImageView> images, const ports::Clock& clock, Arenas& arenas,
-           Outcome& outcome) {
-  {
-    const StageTimer timer(clock, Stage::kDetect, outcome);
-    begin(session, images, outcome);
-    ROOMCAL_TRY(detect(images, arenas, outcome));
-  }
-  {
-    const StageTimer timer(clock, Stage::kLocate, outcome);
-    ROOMCAL_TRY(locate_cameras(session, arenas, outcome));
-  }
-  {
-    const StageTimer timer(clock, Stage::kRefine, outcome);
-    ROOMCAL_TRY(refine_jointly(session, arenas, outcome));
-  }
-  const StageTimer timer(clock, Stage::kJudge, outcome);
-  judge(session.device, session.limits, outcome);
-  return ok_status();
-}
-
 }  // namespace
 
 Status calibrate(const Session& session, std::span<const ImageView> images, const ports::Clock& clock, Arenas& arenas,
                  Outcome& outcome) {
-  if (images.size() != session.device.cameras.size() || images.empty()) {
-    outcome = Outcome();
+  outcome = Outcome();  // FAIL_SERVICE until it is judged
+  if (images.size() != session.device.cameras.size() || images.empty())
     return {StatusCode::kInvalidArgument, "one image per camera of the device is needed, empty where one is missing"};
-  }
-  const Status status = run(session, images, clock, arenas, outcome);
-  if (!status.ok()) outcome.verdict = Verdict::kFailService;
-  return status;
+  preflight(session, images, outcome);
+  ROOMCAL_TRY(timed(Stage::kDetect, clock, outcome, [&] { return detect(images, arenas, outcome); }));
+  ROOMCAL_TRY(timed(Stage::kLocate, clock, outcome, [&] { return locate_cameras(session, arenas, outcome); }));
+  ROOMCAL_TRY(timed(Stage::kRefine, clock, outcome, [&] { return refine_jointly(session, arenas, outcome); }));
+  return timed(Stage::kJudge, clock, outcome, [&] {
+    judge(session.device, session.limits, outcome);
+    return ok_status();
+  });
 }
 
 }  // namespace roomcal::calib

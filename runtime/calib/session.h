@@ -22,15 +22,6 @@ struct Session {
   Limits limits;
 };
 
-/// Sizes that a device and a map ask for, bytes; the sum is what the board reserves.
-struct MemoryPlan {
-  std::size_t permanent_bytes = 0;  ///< triangle index
-  std::size_t step_bytes = 0;       ///< detections, correspondences, the joint solution of one shot
-  std::size_t scratch_bytes = 0;    ///< the hungriest single call: detector, locator or solver
-  std::size_t total_bytes() const { return permanent_bytes + step_bytes + scratch_bytes; }
-};
-MemoryPlan plan_memory(const Device& device, const map::RoomMap& map);
-
 /// One shot of images in, judged extrinsics out: detect -> locate cameras -> refine jointly -> judge.
 ///
 /// @param images  one per camera of the device, in its order; an empty view stands for a camera without an image.

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/calibrate/calibrate_command.h"
+#include "tools/detect/detect_command.h"
 #include "tools/device/import_command.h"
 #include "tools/map/map_command.h"
 #include "tools/simulate/simulate_command.h"
@@ -14,6 +16,8 @@ namespace roomcal::tools {
 
 /// All of them, in the order of `roomcal --help`.
 inline void add_commands(CLI::App& app, int& exit_code) {
+  add_calibrate_command(app, exit_code);
+  add_detect_command(app, exit_code);
   add_import_command(app, exit_code);
   add_map_command(app, exit_code);
   add_simulate_command(app, exit_code);

@@ -1,0 +1,124 @@
+#include "tools/calibrate/report.h"
+
+#include <cmath>
+#include <string>
+
+#include <Eigen/LU>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tools/common/draw.h"
+#include "tools/common/error.h"
+#include "tools/common/files.h"
+#include "tools/common/image_io.h"
+
+namespace roomcal::tools {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+struct Sigmas {
+  double t_mm;
+  double rot_deg;
+};
+
+/// Largest 1-sigma over the axes.
+Sigmas sigmas(const Mat66& cov) {
+  return {1e3 * std::sqrt(cov.topLeftCorner<3, 3>().diagonal().maxCoeff()),
+          rad_to_deg(std::sqrt(cov.bottomRightCorner<3, 3>().diagonal().maxCoeff()))};
+}
+
+SE3 pose_from(const json& truth, const std::string& name) {
+  Mat44 T;
+  const json& rows = truth.at("T_room_sensor").at(name).at("T");
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+      T(r, c) = rows.at(static_cast<std::size_t>(r)).at(static_cast<std::size_t>(c)).get<double>();
+  return SE3::from_matrix(T);
+}
+
+void print_truth_line(const calib::CameraOutcome& camera, const SE3& T_rig_cam_true) {
+  const Vec6 error = se3_log(camera.T_rig_cam.inverse() * T_rig_cam_true);
+  const Sigmas sigma = sigmas(camera.cov_rig_cam);
+  const double nees = error.dot(camera.cov_rig_cam.inverse() * error);
+  fmt::print(
+      "  {:<6} t = ({:9.3f} {:9.3f} {:9.3f}) mm   truth ({:9.3f} {:9.3f} {:9.3f})   error {:.3f} mm {:.4f} deg   "
+      "sigma {:.3f} mm {:.4f} deg   NEES {:.1f}/6\n",
+      camera.name.view(), 1e3 * camera.T_rig_cam.t.x(), 1e3 * camera.T_rig_cam.t.y(), 1e3 * camera.T_rig_cam.t.z(),
+      1e3 * T_rig_cam_true.t.x(), 1e3 * T_rig_cam_true.t.y(), 1e3 * T_rig_cam_true.t.z(), 1e3 * error.head<3>().norm(),
+      rad_to_deg(error.tail<3>().norm()), sigma.t_mm, sigma.rot_deg, nees);
+}
+
+const cv::Scalar kResidualColour(60, 60, 255);
+constexpr double kResidualMagnification = 200;  // residuals are hundredths of a pixel: unseen at true size
+
+void draw_residuals(const calib::CameraOutcome& camera, const camera::Camera& model, const map::RoomMap& map,
+                    cv::Mat& picture) {
+  const int thickness = std::max(1, picture.cols / 1200);
+  const SE3 T_cam_room = camera.T_room_cam.inverse();
+  for (const pose::Correspondence& inlier : camera.inliers) {
+    Vec2 predicted_px;
+    if (!model.project(T_cam_room * map.marker(inlier.marker).p_room, predicted_px).ok()) continue;
+    const Vec2 seen_px = camera.detections[inlier.observation].centre_px;
+    const Vec2 tip_px = seen_px + kResidualMagnification * (predicted_px - seen_px);
+    cv::line(picture, cv::Point2d(seen_px.x(), seen_px.y()), cv::Point2d(tip_px.x(), tip_px.y()), kResidualColour,
+             thickness, cv::LINE_AA);
+    cv::putText(picture, std::to_string(map.marker(inlier.marker).id), cv::Point2d(seen_px.x() + 6, seen_px.y() - 6),
+                cv::FONT_HERSHEY_SIMPLEX, 0.4 * thickness, cv::Scalar(255, 220, 80), thickness, cv::LINE_AA);
+  }
+}
+
+}  // namespace
+
+void print_outcome(const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
+  fmt::print("{}\n", calib::to_string(outcome.verdict));
+  for (const Reason& reason : outcome.reasons) fmt::print("  {}\n", reason.view());
+  fmt::print("rig frame: {}\n", outcome.cameras[outcome.reference].name.view());
+  for (const calib::CameraOutcome& camera : outcome.cameras) {
+    fmt::print("  {:<6} {} of {} usable markers are inliers", camera.name.view(), camera.inliers.size(),
+               camera.usable_detections);
+    if (camera.located) fmt::print(", {:.3f} px rms, coverage {:.0f} %", camera.rms_px, 100 * camera.coverage);
+    if (camera.in_rig) {
+      const Sigmas sigma = sigmas(camera.cov_rig_cam);
+      fmt::print(", sigma {:.3f} mm {:.4f} deg", sigma.t_mm, sigma.rot_deg);
+    }
+    fmt::print("\n");
+  }
+  fmt::print("time:");
+  for (std::size_t s = 0; s < outcome.stage_ns.size(); ++s)
+    fmt::print(" {} {:.2f} ms", calib::to_string(static_cast<calib::Stage>(s)),
+               1e-6 * static_cast<double>(outcome.stage_ns[s]));
+  fmt::print("; arena peak {:.2f} MiB\n", static_cast<double>(arena_peak_bytes) / (1 << 20));
+}
+
+void print_against_truth(const calib::Outcome& outcome, const fs::path& truth_file) {
+  const calib::CameraOutcome& reference = outcome.cameras[outcome.reference];
+  fmt::print("T_rig_sensor beside the truth:\n");
+  try {
+    const json truth = json::parse(read_text(truth_file));
+    const SE3 T_rig_room = pose_from(truth, std::string(reference.name.view())).inverse();
+    for (const calib::CameraOutcome& camera : outcome.cameras)
+      if (camera.in_rig && &camera != &reference)
+        print_truth_line(camera, T_rig_room * pose_from(truth, std::string(camera.name.view())));
+  } catch (const json::exception& error) {
+    throw ToolError(truth_file.string() + ": is not the truth of this shot: " + error.what());
+  }
+}
+
+void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map, const Shot& shot,
+                  const fs::path& folder) {
+  fs::create_directories(folder);
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
+    if (shot.images[i].empty()) continue;
+    const calib::CameraOutcome& camera = outcome.cameras[i];
+    cv::Mat picture = canvas(shot.images[i]);
+    draw_detections(picture, camera.detections);
+    if (camera.located) draw_residuals(camera, device.cameras[i].camera, map, picture);
+    write_image(folder / (std::string(camera.name.view()) + "_calibrated.png"), picture);
+  }
+}
+
+}  // namespace roomcal::tools

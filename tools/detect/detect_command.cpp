@@ -1,0 +1,103 @@
+#include "tools/detect/detect_command.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "runtime/marker/detector.h"
+#include "tools/common/draw.h"
+#include "tools/common/error.h"
+#include "tools/common/files.h"
+#include "tools/common/image_io.h"
+#include "tools/common/progress.h"
+
+namespace roomcal::tools {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+struct Options {
+  std::vector<std::string> images;
+  std::string json_file;
+  std::string draw_folder;
+};
+
+// More than any room has on one image; beyond it detect() says kCapacity and we say so.
+constexpr std::size_t kMaxMarkers = 4096;
+
+json to_json(const marker::Detection& d) {
+  return {{"x", d.centre_px.x()},
+          {"y", d.centre_px.y()},
+          {"cov_px2", {d.cov_px2(0, 0), d.cov_px2(0, 1), d.cov_px2(1, 1)}},
+          {"major_px", d.ellipse.major_px},
+          {"minor_px", d.ellipse.minor_px},
+          {"angle_rad", d.ellipse.angle_rad},
+          {"rings", d.rings},
+          {"status", to_string(d.status)}};
+}
+
+std::vector<marker::Detection> detect_in(const cv::Mat& grey, const std::string& file) {
+  std::vector<std::byte> memory(marker::detector_scratch_bytes(grey.cols, grey.rows));
+  Arena scratch(memory);
+  std::vector<marker::Detection> detections(kMaxMarkers);
+  std::size_t count = 0;
+  require(marker::detect(view(grey), {}, scratch, detections, count), file);
+  detections.resize(count);
+  return detections;
+}
+
+/// Pictures of one call may share a name; numbering keeps them apart.
+fs::path picture_path(const Options& options, std::size_t i) {
+  const fs::path file(options.images[i]);
+  const bool unique = std::count_if(options.images.begin(), options.images.end(), [&](const std::string& other) {
+                        return fs::path(other).stem() == file.stem();
+                      }) == 1;
+  return fs::path(options.draw_folder) / (file.stem().string() + (unique ? "" : fmt::format("_{}", i)) + "_rings.png");
+}
+
+void run(const Options& options) {
+  json report = {{"images", json::array()}};
+  if (!options.draw_folder.empty()) fs::create_directories(options.draw_folder);
+  Progress progress("detect", options.images.size());
+  for (std::size_t i = 0; i < options.images.size(); ++i) {
+    const std::string& file = options.images[i];
+    const cv::Mat grey = read_grey(file);
+    const std::vector<marker::Detection> detections = detect_in(grey, file);
+    json markers = json::array();
+    std::size_t usable = 0;
+    for (const marker::Detection& d : detections) {
+      markers.push_back(to_json(d));
+      usable += d.status == marker::DetectionStatus::kOk;
+    }
+    fmt::print("{}: {} markers, {} of them usable\n", file, detections.size(), usable);
+    report["images"].push_back(
+        {{"file", file}, {"width", grey.cols}, {"height", grey.rows}, {"markers", std::move(markers)}});
+    if (!options.draw_folder.empty()) {
+      cv::Mat picture = canvas(grey);
+      draw_detections(picture, detections);
+      write_image(picture_path(options, i), picture);
+    }
+    progress.step();
+  }
+  if (!options.json_file.empty()) write_atomic(options.json_file, report.dump(1) + "\n");
+}
+
+}  // namespace
+
+void add_detect_command(CLI::App& app, int& exit_code) {
+  static_cast<void>(exit_code);  // no verdict: seeing no marker is an answer
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("detect", "find ring markers in images");
+  command->add_option("images", options->images, "image files (PNG, JPEG, PGM)")->required();
+  command->add_option("--json", options->json_file, "write the detections to this file");
+  command->add_option("--draw", options->draw_folder, "write annotated pictures into this folder");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace roomcal::tools
