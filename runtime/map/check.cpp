@@ -13,13 +13,14 @@ namespace roomcal::map {
 
 namespace {
 
-constexpr double kUnitTolerance = 1e-5;  // normals are stored as floats
-constexpr double kPsdTolerance = 1e-5;   // of the largest eigenvalue: rounding of the stored floats, with room
+constexpr double kUnitTolerance = 1e-6;       // of markers' normals, stored as floats: rounding leaves 1e-7
+constexpr double kPlaneUnitTolerance = 1e-9;  // of planes' normals, stored as doubles
+constexpr double kPsdTolerance = 1e-5;        // of the largest eigenvalue: rounding of the stored floats, with room
 constexpr uint16_t kKnownFlags = kHasNormal | kHasRadius | kNormalEstimated;
 
 constexpr Status corrupt(const char* detail) { return {StatusCode::kCorrupt, detail}; }
 
-bool is_unit(const Vec3& v) { return v.allFinite() && std::abs(v.norm() - 1) < kUnitTolerance; }
+bool is_unit(const Vec3& v, double tolerance) { return v.allFinite() && std::abs(v.norm() - 1) < tolerance; }
 bool is_coordinate(double x_m) { return std::abs(x_m) <= kMaxCoordinate_m; }  // false for NaN as well
 
 template <typename T>
@@ -53,7 +54,7 @@ Status check_marker(const fbs::Marker& marker, std::size_t planes) {
   const fbs::Vec3f& n = marker.normal_room();
   const Vec3 normal(n.x(), n.y(), n.z());
   const bool has_normal = (marker.flags() & kHasNormal) != 0;
-  if (has_normal ? !is_unit(normal) : normal != Vec3::Zero()) {
+  if (has_normal ? !is_unit(normal, kUnitTolerance) : normal != Vec3::Zero()) {
     return corrupt("a marker's normal is not finite or not of unit length; bake the map again");
   }
   const bool has_radius = (marker.flags() & kHasRadius) != 0;
@@ -69,7 +70,8 @@ Status check_marker(const fbs::Marker& marker, std::size_t planes) {
 
 Status check_plane(const fbs::Plane& plane) {
   const fbs::Vec3d& n = *plane.normal_room();
-  if (!is_unit({n.x(), n.y(), n.z()})) return corrupt("a plane's normal is not of unit length; bake the map again");
+  if (!is_unit({n.x(), n.y(), n.z()}, kPlaneUnitTolerance))
+    return corrupt("a plane's normal is not of unit length; bake the map again");
   if (!is_coordinate(plane.d_m()) || !(plane.rms_m() >= 0 && is_coordinate(plane.rms_m()))) {
     return corrupt("a plane's distance is not finite; bake the map again");
   }

@@ -51,7 +51,7 @@ MapMarker RoomMap::marker(std::size_t i) const {
   marker.p_room = to_vec3(stored.p_room());
   marker.cov_m2 << c.xx(), c.xy(), c.xz(), c.xy(), c.yy(), c.yz(), c.xz(), c.yz(), c.zz();
   marker.has_normal = (stored.flags() & kHasNormal) != 0;
-  if (marker.has_normal) marker.normal_room = to_vec3(stored.normal_room()).normalized();
+  if (marker.has_normal) marker.normal_room = to_vec3(stored.normal_room());
   marker.normal_estimated = (stored.flags() & kNormalEstimated) != 0;
   marker.has_radius = (stored.flags() & kHasRadius) != 0;
   marker.radius_m = stored.radius_m();
@@ -65,7 +65,7 @@ std::size_t RoomMap::plane_count() const {
 
 MapPlane RoomMap::plane(std::size_t i) const {
   const fbs::Plane& stored = plane_at(*content_, i);
-  return {to_vec3(*stored.normal_room()).normalized(), stored.d_m(), static_cast<double>(stored.rms_m())};
+  return {to_vec3(*stored.normal_room()), stored.d_m(), static_cast<double>(stored.rms_m())};
 }
 
 std::size_t RoomMap::outline_size(std::size_t plane) const {

@@ -17,11 +17,12 @@ struct RoomMap;  // generated from room.fbs; only room_map.cpp and its builder l
 
 /// One ring marker of the room. A map from outside may lack normal and radius; `has_*` says so.
 struct MapMarker {
-  uint32_t id = 0;                  ///< number in the survey, for people; nothing identifies a marker in an image
-  Vec3 p_room = Vec3::Zero();       ///< circle centre, m
-  Mat33 cov_m2 = Mat33::Zero();     ///< of p_room; zero if the map claims to be exact
-  Vec3 normal_room = Vec3::Zero();  ///< unit, into the room; estimated from neighbours where the source had none
-  double radius_m = 0;              ///< outer radius
+  uint32_t id = 0;               ///< number in the survey, for people; nothing identifies a marker in an image
+  Vec3 p_room = Vec3::Zero();    ///< circle centre, m
+  Mat33 cov_m2 = Mat33::Zero();  ///< of p_room; zero if the map claims to be exact
+  Vec3 normal_room =
+      Vec3::Zero();     ///< unit within 1e-6, into the room; estimated from the plane where the source had none
+  double radius_m = 0;  ///< outer radius
   bool has_normal = false;
   bool has_radius = false;
   bool normal_estimated = false;  ///< the normal is that of the plane fitted to the markers around it

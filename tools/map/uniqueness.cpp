@@ -17,6 +17,7 @@ namespace {
 constexpr int kNeighbours = 8;     // a camera of the paper's devices sees 15 to 60 markers; nine are a poor view
 constexpr int kSurroundings = 14;  // of the other place: a neighbour's match need not be among the nearest eight
 constexpr int kAligned = 3;        // neighbours tried as the one that falls in line
+constexpr double kRoom = 2.5;      // what refinement may gain, in mean square: four gave the same figures, slower
 constexpr double kSamePlace_rad = 20 * kPi / 180;
 
 /// The markers around one, nearest first, in a frame with z along the wall's normal and the marker at the origin.
@@ -157,11 +158,11 @@ double least_m2(const Place& of, const Place& over, bool same, double best_m2) {
     for (std::size_t b = 1; b <= kSurroundings; ++b) {
       // The pair in line must itself be within what the best so far allows (in sum), with room for the refinement.
       const double gap_m = of.reach_m[a] - over.reach_m[b];
-      if (gap_m * gap_m > 4 * best_m2 * kCount) continue;
+      if (gap_m * gap_m > kRoom * best_m2 * kCount) continue;
       Overlay overlay;
       overlay.turn_rad = over.bearing_rad[b] - of.bearing_rad[a];
-      overlay.mean_square_m2 = mean_square_m2(of, over, overlay, 4 * best_m2);
-      if (overlay.mean_square_m2 > 4 * best_m2) continue;
+      overlay.mean_square_m2 = mean_square_m2(of, over, overlay, kRoom * best_m2);
+      if (overlay.mean_square_m2 > kRoom * best_m2) continue;
       for (int round = 0; round < 3; ++round) overlay = refined(of, over, overlay);
       if (overlay.shift.norm() > max_shift_m || (same && is_same_place(overlay))) continue;
       best_m2 = std::min(best_m2, overlay.mean_square_m2);
