@@ -26,7 +26,7 @@ Plane plane_of(const FieldMarker& marker) {
   return plane;
 }
 
-Decal sheet_of(const FieldMarker& marker) {
+Decal decal_of(const FieldMarker& marker) {
   Decal sheet;
   sheet.angle_rad = marker.sheet_angle_rad;
   sheet.half_size = Vec2(kSheetWidth_m, kSheetHeight_m) / (2 * kMarkerRadius_m);
@@ -55,19 +55,22 @@ MarkerField::MarkerField(const FieldOptions& options) : options_(options) {
   require(made.status(), "lens of the marker field");
   camera_ = made.value();
   cell_px_ = options.pitch * options.diameter_px + 6;
+  light_per_px_ = options.gradient / options.diameter_px *
+                  Vec2(std::cos(options.gradient_azimuth_rad), std::sin(options.gradient_azimuth_rad));
   columns_ = static_cast<int>(options.lens.width_px / cell_px_);
   rows_ = static_cast<int>(options.lens.height_px / cell_px_);
   if (columns_ < 1 || rows_ < 1) throw ToolError("marker field: the image is smaller than one marker; enlarge it");
   for (int i = 0; i < columns_ * rows_; ++i) {
     const Vec2 cell_centre((i % columns_ + 0.5) * cell_px_ - 0.5, (i / columns_ + 0.5) * cell_px_ - 0.5);
     markers_.push_back(draw_marker(cell_centre, static_cast<uint64_t>(i)));
+    sheets_.push_back({plane_of(markers_.back()), PaintedDecal(decal_of(markers_.back()))});
   }
 }
 
 FieldMarker MarkerField::draw_marker(const Vec2& cell_centre_px, uint64_t stream) const {
   Random random = random_stream(options_.seed, stream);
   FieldMarker marker;
-  marker.centre_px = cell_centre_px + Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+  marker.centre_px = cell_centre_px + Vec2(random.uniform(-1, 1), random.uniform(-1, 1)) + options_.shift_px;
   Vec3 bearing;
   require(camera_.unproject(marker.centre_px, bearing), "marker of the field");
 
@@ -89,24 +92,14 @@ FieldMarker MarkerField::draw_marker(const Vec2& cell_centre_px, uint64_t stream
 }
 
 double MarkerField::light_at(const FieldMarker& marker, const Vec2& px) const {
-  const Vec2 uphill(std::cos(options_.gradient_azimuth_rad), std::sin(options_.gradient_azimuth_rad));
-  return 1 + options_.gradient * (px - marker.centre_px).dot(uphill) / options_.diameter_px;
+  return 1 + light_per_px_.dot(px - marker.centre_px);
 }
 
-double MarkerField::shade(const FieldMarker& marker, const Vec3& ray, const Mat32& J_px, const Vec2& px,
-                          double sample_px, double& edge_px) const {
-  edge_px = 1e9;
-  Paint paint{kWallAlbedo, 1e9};
-  const Plane plane = plane_of(marker);
-  const double speed = plane.normal.dot(ray);
-  if (speed < 0 && !options_.empty) {
-    const double distance = plane.normal.dot(marker.centre_cam) / speed;
-    const Vec2 q = plane.coordinates(distance * ray);
-    paint = paint_decal(sheet_of(marker), q, footprint_on(plane, {ray, J_px}, distance), sample_px, paint);
-  }
-  edge_px = paint.edge_px;
-  const double slope = (options_.paper_grey - options_.ink_grey) / (kPaperAlbedo - kInkAlbedo);
-  return light_at(marker, px) * (options_.ink_grey + slope * (paint.albedo - kInkAlbedo));
+Paint MarkerField::paint_at(const Sheet& sheet, const Vec3& ray, const Mat22* footprint, double sample_px) const {
+  const Paint wall{kWallAlbedo, 1e9};
+  if (footprint == nullptr) return wall;
+  const double distance = sheet.plane.normal.dot(sheet.plane.origin) / sheet.plane.normal.dot(ray);
+  return sheet.print.over(wall, sheet.plane.coordinates(distance * ray), *footprint, sample_px);
 }
 
 void MarkerField::sample(int x, int y, PixelSamples& samples) const {
@@ -115,18 +108,25 @@ void MarkerField::sample(int x, int y, PixelSamples& samples) const {
   if (!camera_.unproject(Vec2(x, y), rays.direction, &rays.J_px).ok()) return;
   const int column = std::clamp(static_cast<int>((x + 0.5) / cell_px_), 0, columns_ - 1);
   const int row = std::clamp(static_cast<int>((y + 0.5) / cell_px_), 0, rows_ - 1);
-  const FieldMarker& marker = markers_[static_cast<std::size_t>(row * columns_ + column)];
-  double edge_px = 0;
-  const double value = shade(marker, rays.direction, rays.J_px, Vec2(x, y), 1, edge_px);
-  const bool flat = edge_px > kEdgeReach_px;
-  const double light = light_at(marker, Vec2(x, y));
+  const auto index = static_cast<std::size_t>(row * columns_ + column);
+  const Sheet& sheet = sheets_[index];
+
+  const double speed = sheet.plane.normal.dot(rays.direction);
+  const bool meets = speed < -1e-3 && !options_.empty;
+  Mat22 footprint;  // one for all parts: it changes by a part in a thousand across a pixel
+  if (meets) footprint = footprint_on(sheet.plane, rays, sheet.plane.normal.dot(sheet.plane.origin) / speed);
+  const Mat22* on_sheet = meets ? &footprint : nullptr;
+
+  const Paint whole = paint_at(sheet, rays.direction, on_sheet, 1);
+  const bool flat = whole.edge_px > kEdgeReach_px;
+  const double slope = (options_.paper_grey - options_.ink_grey) / (kPaperAlbedo - kInkAlbedo);
   for (int j = 0; j < kSub; ++j) {
     for (int i = 0; i < kSub; ++i) {
       const Vec2 offset(sub_offset_px(i), sub_offset_px(j));
-      const Vec2 px = Vec2(x, y) + offset;
+      const Paint paint = flat ? whole : paint_at(sheet, rays.at(offset.x(), offset.y()), on_sheet, 1.0 / kSub);
+      const double grey = options_.ink_grey + slope * (paint.albedo - kInkAlbedo);
       samples[static_cast<std::size_t>(j * kSub + i)] =
-          static_cast<float>(flat ? value * light_at(marker, px) / light
-                                  : shade(marker, rays.at(offset.x(), offset.y()), rays.J_px, px, 1.0 / kSub, edge_px));
+          static_cast<float>(grey * light_at(markers_[index], Vec2(x, y) + offset));
     }
   }
 }

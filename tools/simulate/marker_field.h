@@ -5,6 +5,7 @@
 
 #include "runtime/camera/camera.h"
 #include "tools/simulate/marker_truth.h"
+#include "tools/simulate/paint.h"
 #include "tools/simulate/raster.h"
 #include "tools/simulate/scene.h"
 
@@ -19,8 +20,9 @@ struct FieldOptions {
   double gradient_azimuth_rad = 0;  ///< direction in the image in which it grows, from +x towards +y
   double paper_grey = 180;
   double ink_grey = 25;
-  double pitch = 1.75;  ///< cell size in diameters; a sheet larger than its cell is cut by the next one
-  bool empty = false;   ///< walls and no sheets, for timing
+  double pitch = 1.75;           ///< cell size in diameters; a sheet larger than its cell is cut by the next one
+  Vec2 shift_px = Vec2::Zero();  ///< of every marker: to differentiate a picture by the place of its markers
+  bool empty = false;            ///< walls and no sheets, for timing
   uint64_t seed = 1;
 };
 
@@ -49,15 +51,22 @@ class MarkerField final : public Radiance {
   FieldMarker draw_marker(const Vec2& cell_centre_px, uint64_t stream) const;
   /// Light relative to that at the marker's centre.
   double light_at(const FieldMarker& marker, const Vec2& px) const;
-  double shade(const FieldMarker& marker, const Vec3& ray, const Mat32& J_px, const Vec2& px, double sample_px,
-               double& edge_px) const;
+  /// A marker's sheet in its plane, lengths in radii.
+  struct Sheet {
+    Plane plane;
+    PaintedDecal print;
+  };
+  /// Grey level without the light. @param footprint  on the sheet's plane; null where the ray misses it
+  Paint paint_at(const Sheet& sheet, const Vec3& ray, const Mat22* footprint, double sample_px) const;
 
   FieldOptions options_;
   camera::Camera camera_;
   double cell_px_ = 0;
+  Vec2 light_per_px_ = Vec2::Zero();
   int columns_ = 0;
   int rows_ = 0;
   std::vector<FieldMarker> markers_;
+  std::vector<Sheet> sheets_;
 };
 
 /// Image of a circle of radius `radius` (in the marker's own) about its centre.

@@ -13,10 +13,8 @@ constexpr double kJointHalfWidth_m = 0.0015;
 constexpr double kJointAlbedo = 0.12;
 constexpr int kFanBlades = 8;
 
-/// Share of a sample on the inner side of an edge that runs `inside_m` further out along `direction`.
-double coverage(double inside_m, double metres_per_px, double sample_px) {
-  return std::clamp(0.5 + inside_m / (metres_per_px * sample_px), 0.0, 1.0);
-}
+/// Share of a sample on the inner side of an edge that runs `inside_m` further out.
+double coverage(double inside_m, double samples_per_m) { return std::clamp(0.5 + inside_m * samples_per_m, 0.0, 1.0); }
 
 /// Metres per pixel across an edge whose normal on the plane is `direction` (unit).
 double spacing(const Mat22& footprint, const Vec2& direction) { return (footprint.transpose() * direction).norm(); }
@@ -26,15 +24,15 @@ Paint ink_of_rings(std::span<const double> radii, const Decal& decal, const Vec2
                    double sample_px) {
   const double r = local.norm();
   const double scale = spacing(footprint, r > 0 ? Vec2(local / r) : Vec2(1, 0));
-  Paint ink;
-  double sign = 1;
+  const double samples_per_m = 1 / (scale * sample_px);
+  double share = 0, nearest_m = 1e9, sign = 1;
   for (const double fraction : radii) {
     const double inside_m = fraction * decal.radius_m - r;
-    ink.albedo += sign * coverage(inside_m, scale, sample_px);
-    ink.edge_px = std::min(ink.edge_px, std::abs(inside_m) / scale);
+    share += sign * coverage(inside_m, samples_per_m);
+    nearest_m = std::min(nearest_m, std::abs(inside_m));
     sign = -sign;
   }
-  return ink;
+  return {share, nearest_m / scale};
 }
 
 Paint ink_of_fan(const Decal& decal, const Vec2& local) {
@@ -92,14 +90,16 @@ double stain(const Vec2& p, uint64_t seed) {
 
 }  // namespace
 
-Paint paint_decal(const Decal& decal, const Vec2& q, const Mat22& footprint, double sample_px, const Paint& below) {
+PaintedDecal::PaintedDecal(const Decal& decal) : decal_(decal) {
   const double c = std::cos(decal.angle_rad), s = std::sin(decal.angle_rad);
-  Mat22 R_decal_plane;
-  R_decal_plane << c, s, -s, c;
-  const Vec2 local = R_decal_plane * (q - decal.centre);
-  const Mat22 local_footprint = R_decal_plane * footprint;
+  R_decal_plane_ << c, s, -s, c;
+}
 
-  const Vec2 inside = decal.half_size - local.cwiseAbs();
+Paint PaintedDecal::over(const Paint& below, const Vec2& q, const Mat22& footprint, double sample_px) const {
+  const Vec2 local = R_decal_plane_ * (q - decal_.centre);
+  const Mat22 local_footprint = R_decal_plane_ * footprint;
+
+  const Vec2 inside = decal_.half_size - local.cwiseAbs();
   const Vec2 inside_px(inside.x() / spacing(local_footprint, Vec2(1, 0)),
                        inside.y() / spacing(local_footprint, Vec2(0, 1)));
   const double edge_px = inside_px.minCoeff();
@@ -107,7 +107,7 @@ Paint paint_decal(const Decal& decal, const Vec2& q, const Mat22& footprint, dou
   const double paper =
       std::clamp(0.5 + inside_px.x() / sample_px, 0.0, 1.0) * std::clamp(0.5 + inside_px.y() / sample_px, 0.0, 1.0);
 
-  const Paint ink = ink_of(decal, local, local_footprint, sample_px);
+  const Paint ink = ink_of(decal_, local, local_footprint, sample_px);
   const double printed = std::lerp(kPaperAlbedo, kInkAlbedo, ink.albedo);
   return {std::lerp(below.albedo, printed, paper), std::min({below.edge_px, std::abs(edge_px), ink.edge_px})};
 }
@@ -120,6 +120,7 @@ PaintedPlane::PaintedPlane(const Plane& plane, uint64_t seed)
       decals_near_(static_cast<std::size_t>(columns_ * rows_)) {
   for (std::size_t i = 0; i < plane.decals.size(); ++i) {
     const Decal& decal = plane.decals[i];
+    decals_.emplace_back(decal);
     const double reach = decal.half_size.norm() + kCell_m;  // an edge is felt a pixel away, and a cell is a square
     for (int row = 0; row < rows_; ++row) {
       for (int column = 0; column < columns_; ++column) {
@@ -153,7 +154,7 @@ Paint PaintedPlane::background(const Vec2& q, const Mat22& footprint) const {
 Paint PaintedPlane::at(const Vec2& q, const Mat22& footprint, double sample_px) const {
   Paint paint = background(q, footprint);
   for (const uint16_t i : decals_near_[static_cast<std::size_t>(cell_of(q))]) {
-    paint = paint_decal(plane_.decals[i], q, footprint, sample_px, paint);
+    paint = decals_[i].over(paint, q, footprint, sample_px);
   }
   return paint;
 }

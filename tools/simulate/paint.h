@@ -13,13 +13,23 @@ struct Paint {
   double edge_px = 1e9;  ///< distance to the nearest edge of the print: nearer than a pixel asks for subsamples
 };
 
-/// Albedo of one decal over `below`, averaged across a sample.
-///
-/// @param q          plane coordinates, m
-/// @param footprint  d q / d px, m per px
-/// @param sample_px  width of a sample in pixels. An edge is a straight line across it: with samples of 1/4 px the
-///                   circles of a 15 px marker are off by 0.004 px in radius, and not at all in their centre.
-Paint paint_decal(const Decal& decal, const Vec2& q, const Mat22& footprint, double sample_px, const Paint& below);
+/// A decal, ready to be looked at.
+class PaintedDecal {
+ public:
+  explicit PaintedDecal(const Decal& decal);
+
+  /// Its albedo over what is `below`, averaged across a sample.
+  ///
+  /// @param q          plane coordinates, m
+  /// @param footprint  d q / d px, m per px
+  /// @param sample_px  width of a sample in pixels. An edge is a straight line across it: with samples of 1/4 px the
+  ///                   circles of a 15 px marker are off by 0.004 px in radius, and not at all in their centre.
+  Paint over(const Paint& below, const Vec2& q, const Mat22& footprint, double sample_px) const;
+
+ private:
+  Decal decal_;
+  Mat22 R_decal_plane_;
+};
 
 /// All the decals, joints and stains of a plane, with a grid to find them.
 class PaintedPlane {
@@ -33,6 +43,7 @@ class PaintedPlane {
   Paint background(const Vec2& q, const Mat22& footprint) const;
 
   const Plane& plane_;
+  std::vector<PaintedDecal> decals_;
   uint64_t seed_;
   int columns_ = 0;
   int rows_ = 0;

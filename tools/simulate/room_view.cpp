@@ -85,9 +85,10 @@ bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
   return false;
 }
 
-double RoomView::shade(const Hit& hit, const PixelRays& rays, double sample_px, double& edge_px) const {
-  const Vec2 q = hit.plane->coordinates(T_room_cam_.t + hit.distance * rays.direction);
-  return lit_.radiance(hit, q, footprint_on(*hit.plane, rays, hit.distance), sample_px, edge_px);
+double RoomView::shade(const Hit& hit, const Vec3& ray, const Mat22& footprint, double sample_px,
+                       double& edge_px) const {
+  const Vec2 q = hit.plane->coordinates(T_room_cam_.t + hit.distance * ray);
+  return lit_.radiance(hit, q, footprint, sample_px, edge_px);
 }
 
 void RoomView::sample(int x, int y, PixelSamples& samples) const {
@@ -97,7 +98,8 @@ void RoomView::sample(int x, int y, PixelSamples& samples) const {
   const Hit hit = cast_ray(lit_.scene(), T_room_cam_.t, rays.direction);
   if (hit.plane == nullptr) return;
   double edge_px = 0;
-  const double value = shade(hit, rays, 1, edge_px);
+  const Mat22 footprint = footprint_on(*hit.plane, rays, hit.distance);
+  const double value = shade(hit, rays.direction, footprint, 1, edge_px);
   const bool outline = has_outline(hit, rays);
   if (edge_px > kEdgeReach_px && !outline) {
     samples.fill(static_cast<float>(value));
@@ -105,14 +107,15 @@ void RoomView::sample(int x, int y, PixelSamples& samples) const {
   }
   for (int j = 0; j < kSub; ++j) {
     for (int i = 0; i < kSub; ++i) {
-      const PixelRays part{rays.at(sub_offset_px(i), sub_offset_px(j)), rays.J_px};
-      Hit part_hit = hit;
+      const Vec3 ray = rays.at(sub_offset_px(i), sub_offset_px(j));
+      Hit part = hit;
       if (outline) {
-        part_hit = cast_ray(lit_.scene(), T_room_cam_.t, part.direction);
+        part = cast_ray(lit_.scene(), T_room_cam_.t, ray);
       } else {
-        part_hit.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(part.direction);
+        part.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(ray);
       }
-      samples[static_cast<std::size_t>(j * kSub + i)] = static_cast<float>(shade(part_hit, part, 1.0 / kSub, edge_px));
+      samples[static_cast<std::size_t>(j * kSub + i)] =
+          static_cast<float>(shade(part, ray, footprint, 1.0 / kSub, edge_px));
     }
   }
 }

@@ -51,7 +51,7 @@ class RoomView final : public Radiance {
   bool rays_of(double x, double y, PixelRays& rays_room) const;
   /// Whether a corner of the room or the outline of a body crosses the pixel.
   bool has_outline(const Hit& hit, const PixelRays& rays) const;
-  double shade(const Hit& hit, const PixelRays& rays, double sample_px, double& edge_px) const;
+  double shade(const Hit& hit, const Vec3& ray, const Mat22& footprint, double sample_px, double& edge_px) const;
 
   const LitScene& lit_;
   const camera::Camera& camera_;
