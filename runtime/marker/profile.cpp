@@ -192,9 +192,9 @@ void sample_polar(ImageView image, const Ellipse& ellipse, PolarGrid& grid) {
   grid.centre_px = ellipse.centre_px;
   grid.A.col(0) = Vec2{cosine, sine} * (ellipse.major_px / 2);
   grid.A.col(1) = Vec2{-sine, cosine} * (ellipse.minor_px / 2);
-  // Half a pixel along the major axis while the buffer lasts.
+  // Half a pixel along the major axis while the buffer lasts; a small marker needs a few samples a ring all the same.
   const double wanted = 2 * PolarGrid::kReach * grid.A.col(0).norm();
-  grid.samples = std::clamp(static_cast<int>(wanted), 24, kMaxSamples);
+  grid.samples = std::clamp(static_cast<int>(wanted), 42, kMaxSamples);
   grid.spacing = PolarGrid::kReach / grid.samples;
   const float right = static_cast<float>(image.width() - 1), bottom = static_cast<float>(image.height() - 1);
   for (int ray = 0; ray < kRays; ++ray) {

@@ -257,15 +257,18 @@ void accumulate(const RingBlock& block, const ResidualWeighting& weighting, Norm
     }
   }
   const double inverse_scale2 = 1.0 / (weighting.scale_grey * weighting.scale_grey);
-  double cost = 0, weights = 0;
+  double cost = 0;
   for (int i = 0; i < kBlockPixels; ++i) {
     if (block.weight[i] <= 0) continue;
     const double square = static_cast<double>(block.residual[i]) * static_cast<double>(block.residual[i]);
-    cost += square / (1 + square * inverse_scale2);
-    weights += static_cast<double>(block.weight[i]);
+    const double weight = static_cast<double>(block.weight[i]);
+    const double spread = 1 + square * inverse_scale2;
+    cost += square / spread;
+    equations.weight += weight;
+    equations.influence2 += weight * weight * square;
+    equations.slope += weight * (4 - 3 * spread) / spread;
   }
   equations.cost += cost;
-  equations.weight_total += weights;
 }
 
 }  // namespace roomcal::marker

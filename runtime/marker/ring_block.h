@@ -49,7 +49,9 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
 struct NormalEquations {
   std::array<std::array<double, kMaxParameters + 1>, kMaxParameters + 1> sum{};  ///< last row and column: residual
   double cost = 0;                                                               ///< robust cost, grey levels squared
-  double weight_total = 0;                                                       ///< effective number of pixels
+  /// Sums over the pixels, psi = w e being the robust influence: w, psi^2 and d psi / d e. Weighted steps fall short
+  /// by weight / slope; the covariance per unit of the inverse is influence2 * weight / slope^2.
+  double weight = 0, influence2 = 0, slope = 0;
 
   double hessian(int i, int j) const { return sum[index(i < j ? i : j)][index(i < j ? j : i)]; }
   double gradient(int i) const { return sum[index(i)][kMaxParameters]; }

@@ -166,6 +166,8 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
 double newton_step(const NormalEquations& equations, RingModel& model) {
   Vector step{};
   if (!solve_step(equations, model.parameters(), 0, step)) return -1;
+  const double stretch = std::clamp(equations.weight / equations.slope, 1.0, 1.5);
+  for (double& part : step) part *= stretch;
   const RingModel trial = moved(model, step);
   if (!is_plausible(trial)) return -1;
   model = trial;

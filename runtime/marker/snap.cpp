@@ -27,6 +27,7 @@ struct EdgePoints {
 // steepest: the next ring's outer edge, 0.2 away or more, is just as steep.
 bool find_edge(const PolarGrid& grid, int ray, double window, double& rho) {
   const auto& level = grid.level[at(ray)];
+  window = std::max(window, 1.2 / grid.A.col(0).norm());  // a pixel and a bit
   const int reach = std::max(1, static_cast<int>(std::lround(0.5 / (grid.spacing * grid.A.col(0).norm()))));
   const int first = std::max(reach, static_cast<int>(grid.sample(1 - window)));
   const int last = std::min(grid.samples - 1 - reach, static_cast<int>(std::ceil(grid.sample(1 + window))));
@@ -34,7 +35,7 @@ bool find_edge(const PolarGrid& grid, int ray, double window, double& rho) {
   float steepest = 6;  // grey levels: below lies noise
   for (int j = first; j <= last; ++j) steepest = std::max(steepest, rise(j));
   double best_distance = 1e9;
-  for (int j = first + 1; j < last; ++j) {
+  for (int j = std::max(first, reach + 1); j <= std::min(last, grid.samples - 2 - reach); ++j) {
     const float here = rise(j), before = rise(j - 1), after = rise(j + 1);
     if (here < 0.5F * steepest || here < before || here <= after) continue;
     const float curvature = before - 2 * here + after;
@@ -85,8 +86,9 @@ Conic weighted_conic(const EdgePoints& points) {
   return Eigen::LDLT<Eigen::Matrix<double, 5, 5>>(normal).solve(target);
 }
 
-// Re-weighted least squares with a shrinking scale. @return weight of the points that agree, in points.
-double fit_conic(EdgePoints& points, double window, Conic& conic) {
+// Re-weighted least squares with a scale that shrinks down to `floor`. @return weight of the points that agree, in
+// points.
+double fit_conic(EdgePoints& points, double window, double floor, Conic& conic) {
   std::array<bool, kRays> found{};
   for (int i = 0; i < kRays; ++i) found[at(i)] = points.ray[at(i)].weight > 0;
   double scale = window / 2, total = 0;
@@ -100,7 +102,7 @@ double fit_conic(EdgePoints& points, double window, Conic& conic) {
       points.ray[at(i)].weight = 1 / (spread * spread);
       total += points.ray[at(i)].weight;
     }
-    scale = std::max(0.6 * scale, 0.02);
+    scale = std::max(0.6 * scale, floor);
   }
   return total;
 }
@@ -131,7 +133,9 @@ Status snap_to_outer_edge(const PolarGrid& grid, double window, Ellipse& ellipse
   collect_edges(grid, window, points);
   support = 0;
   Conic conic;
-  const double agreeing = fit_conic(points, window, conic);
+  // Edge points are good to a few tenths of a pixel where blur has merged the rings.
+  const double floor = std::max(0.02, 0.35 / grid.A.col(1).norm());
+  const double agreeing = fit_conic(points, std::max(window, 2 * floor), floor, conic);
   if (agreeing < 12) return {StatusCode::kNotFound, "no closed dark-to-light edge"};
   Ellipse fitted;
   if (!to_ellipse(grid, conic, fitted)) return {StatusCode::kNotFound, "the edge is no ellipse"};

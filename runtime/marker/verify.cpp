@@ -11,8 +11,9 @@ using Covariance = std::array<std::array<double, kMaxParameters>, kMaxParameters
 // Residual against contrast: photographs with glare and JPEG stay below 0.08, other things are above 0.2.
 constexpr double kMaxResidual = 0.13;
 // A ring's width must stand out of its own uncertainty by this factor.
-constexpr double kRingSignificance = 5;
+constexpr double kRingSignificance = 8;
 constexpr double kMinRingWidth = 0.03;  // of the outer radius; CCTag's thinnest is 0.1
+constexpr double kMinInnermost = 0.08;  // light disc in the middle: refuses bull's eyes with a dark one
 constexpr double kMaxCentreSigma_px = 0.15;
 constexpr double kMinAxisRatio = 0.2;  // slant 78 degrees
 
@@ -31,14 +32,27 @@ double width_variance(const Covariance& inverse, int edge, int edges) {
   return variance;
 }
 
-bool rings_are_significant(const RingModel& model, const Covariance& inverse, double noise_grey) {
+// Blur and ink are held: in a small marker they trade against all widths at once, which says nothing about whether
+// the rings exist.
+bool rings_are_significant(const FittedRings& fit) {
+  const RingModel& model = fit.model;
+  NormalEquations held = fit.evaluation.equations;
+  for (const int i : {kInk, kBlur}) held.sum[at(i)][at(i)] *= 1e6;
+  Covariance inverse;
+  if (!invert_equations(held, model.parameters(), inverse)) return false;
   for (int edge = 0; edge < model.edges(); ++edge) {
     const double inner = edge + 1 < model.edges() ? model.radius(edge + 1) : 0.0;
     const double width = model.radius(edge) - inner;
-    const double variance = width_variance(inverse, edge, model.edges()) * noise_grey * noise_grey;
+    const double variance = width_variance(inverse, edge, model.edges()) * fit.noise_grey * fit.noise_grey;
     if (!(variance > 0) || width < kMinRingWidth || width < kRingSignificance * std::sqrt(variance)) return false;
   }
-  return true;
+  return model.radius(model.edges() - 1) > kMinInnermost;
+}
+
+// What the inverse of the weighted equations is to be multiplied by (Huber, "Robust Statistics", section 7.6).
+double residual_variance(const NormalEquations& equations) {
+  const double slope = std::fmax(equations.slope, 0.3 * equations.weight);
+  return equations.influence2 * equations.weight / (slope * slope);
 }
 
 struct SectorShares {
@@ -82,11 +96,11 @@ Status verify_rings(const FittedRings& fit, double outside_share, const Detector
   if (sectors.good < 0.6) return refuse("too few sectors show the rings");
   Covariance inverse;
   if (!invert_equations(fit.evaluation.equations, model.parameters(), inverse)) return refuse("undetermined");
-  if (!rings_are_significant(model, inverse, fit.noise_grey)) return refuse("rings not significant");
+  if (!rings_are_significant(fit)) return refuse("rings not significant");
 
   found.centre_px = model.centre_px();
   found.rings = model.rings;
-  const double unit = fit.noise_grey * fit.noise_grey * model.scale_px * model.scale_px;
+  const double unit = residual_variance(fit.evaluation.equations) * model.scale_px * model.scale_px;
   found.cov_px2 << inverse[0][0], inverse[0][1], inverse[1][0], inverse[1][1];
   found.cov_px2 *= unit;
   found.status = DetectionStatus::kOk;
