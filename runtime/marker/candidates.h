@@ -27,8 +27,10 @@ std::size_t candidates_bytes(int width_px, int height_px);
 
 /// Places in the image that may be a ring marker, each once. Recall comes first: refine() judges.
 ///
-/// threshold.h makes dark and light, components.h finds nested concentric ellipses, ring_probe.h finds each nest's
-/// outer circle.
+/// Two passes: the image as it is finds small markers; at half its size, with another split of dark and light, noise,
+/// blur and hard shadows do less harm to the larger ones. What the first pass found is not looked at again.
+/// In each, threshold.h makes dark and light, components.h finds nested concentric ellipses, ring_probe.h finds each
+/// nest's outer circle.
 ///
 /// @param[out] list  its items lie in `arena`.
 /// @return kOk; kOutOfMemory.

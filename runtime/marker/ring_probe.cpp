@@ -336,10 +336,12 @@ bool probe_rings(ImageView image, const Blob& blob, const DetectorOptions& optio
   EdgeList edges = rising_edges(votes, polar, blob);
   Vec2 centre_px;
   Mat22 S2;
+  const auto ring_count = [&] { return blob.dark_depth + static_cast<int>(edges.size()) - (blob.dark ? 1 : 0); };
+  while (edges.size() > 1 && ring_count() > options.max_rings) edges.pop_back();
   while (!edges.empty() && !fit_edge(polar, edges.back(), least, centre_px, S2)) edges.pop_back();
   if (edges.empty()) return false;
   found.outer = to_ellipse(centre_px, S2);
-  found.rings = blob.dark_depth + static_cast<int>(edges.size()) - (blob.dark ? 1 : 0);
+  found.rings = ring_count();
   found.touches_border = crosses_border(image, centre_px, S2);
   return found.outer.major_px >= options.min_diameter_px && found.outer.minor_px >= 0.15 * found.outer.major_px;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace roomcal::marker {
 namespace {
@@ -93,18 +94,18 @@ struct WindowRows {
 using GateTable = std::array<uint8_t, 256>;
 
 constexpr std::size_t kBands = 16;
-constexpr int kMaxNoiseGate = 48;  // more would hide dim markers; beyond it noise costs time, not markers
+constexpr int kMaxNoiseGate = 48;  // more would hide markers, unless the whole image is that noisy
 
 using ContrastHistogram = std::array<std::array<int, 256>, kBands>;
 
-/// The contrast that one in four neighbourhoods of a band does not reach: walls and sky, so noise.
-int quiet_contrast(const std::array<int, 256>& histogram) {
+/// The contrast that one in `part` neighbourhoods does not reach: walls and sky, so noise.
+int quiet_contrast(const std::array<int, 256>& histogram, int part) {
   int total = 0;
   for (const int count : histogram) total += count;
   if (total < 200) return 0;  // too few to tell noise from what is there
   int below = 0;
   std::size_t level = 0;
-  while (level < 255 && (below += histogram[level]) * 4 < total) ++level;
+  while (level < 255 && (below += histogram[level]) * part < total) ++level;
   return static_cast<int>(level);
 }
 
@@ -116,20 +117,29 @@ GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_con
     for (int x = 0; x < tiles.low.width(); x += 2)
       ++histogram[rows.high[x] / kBands][static_cast<std::size_t>(rows.high[x] - rows.low[x])];
   }
+  std::array<int, 256> all{};
+  for (const auto& band : histogram)
+    for (std::size_t level = 0; level < all.size(); ++level) all[level] += band[level];
+  const int most = std::max(kMaxNoiseGate, quiet_contrast(all, 10) * 5 / 4);
   GateTable gates;
   for (std::size_t band = 0; band < kBands; ++band) {
-    // 1.6: the widest of the quiet neighbourhoods is about that much above their lower quartile (Gaussian noise).
-    const int noise = std::min(quiet_contrast(histogram[band]) * 5 / 4, kMaxNoiseGate);
+    // 1.25: the widest of the quiet neighbourhoods is about that much above their lower quartile (Gaussian noise).
+    const int noise = std::min(quiet_contrast(histogram[band], 4) * 5 / 4, most);
     std::fill_n(gates.begin() + static_cast<std::ptrdiff_t>(band * kBands), kBands,
                 static_cast<uint8_t>(std::clamp(std::max(noise, min_contrast), 1, 255)));
   }
   return gates;
 }
 
+/// Ink in the light and paper in its shadow differ from what is beside them by a ratio. 8: black is seldom 0.
+int geometric_middle(int low, int high) {
+  return static_cast<int>(std::sqrt(static_cast<float>((low + 8) * (high + 8)))) - 7;
+}
+
 /// Thresholds of one level: own where the neighbourhood has contrast, else the coarser level's (0: none). A flat
 /// neighbourhood is one colour: a threshold that it inherited must not cut through its noise.
-void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, const GateTable& gates, const WindowRows& rows,
-                Span2D<uint8_t> out) {
+void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, const GateTable& gates, Split split,
+                const WindowRows& rows, Span2D<uint8_t> out) {
   for (int y = 0; y < out.height(); ++y) {
     neighbourhood(tiles.low, y, rows.line, rows.low, kMin);
     neighbourhood(tiles.high, y, rows.line, rows.high, kMax);
@@ -138,7 +148,7 @@ void fill_level(const Extremes& tiles, const Span2D<uint8_t>* coarser, const Gat
     for (int x = 0; x < out.width(); ++x) {
       const int low = rows.low[x];
       const int high = rows.high[x];
-      const int middle = (low + high + 1) / 2;
+      const int middle = split == Split::kMiddle ? (low + high + 1) / 2 : geometric_middle(low, high);
       const int inherited = fallback == nullptr ? 0 : fallback[x / 2];
       const bool cuts = inherited > low && inherited <= high;
       const int settled = cuts ? (middle < inherited ? 255 : 0) : inherited;
@@ -161,7 +171,7 @@ std::size_t threshold_bytes(int width_px, int height_px) {
   return bytes + 4 * static_cast<std::size_t>(width_px + 2 * kTilePx);
 }
 
-Status compute_thresholds(ImageView image, int min_contrast, Arena& arena, ThresholdMap& map) {
+Status compute_thresholds(ImageView image, int min_contrast, Split split, Arena& arena, ThresholdMap& map) {
   std::array<Extremes, kLevels> tiles;
   std::array<Span2D<uint8_t>, kLevels> thresholds;
   int width = tiles_for(image.width(), kTilePx);
@@ -187,7 +197,7 @@ Status compute_thresholds(ImageView image, int min_contrast, Arena& arena, Thres
   const GateTable gates = noise_gates(tiles[0], rows, min_contrast);
   for (std::size_t level = kLevels; level-- > 0;) {
     const Span2D<uint8_t>* coarser = level + 1 < kLevels ? &thresholds[level + 1] : nullptr;
-    fill_level(tiles[level], coarser, gates, rows, thresholds[level]);
+    fill_level(tiles[level], coarser, gates, split, rows, thresholds[level]);
   }
   map.tiles = thresholds[0];
   return ok_status();

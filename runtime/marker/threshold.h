@@ -21,10 +21,16 @@ struct ThresholdMap {
   bool dark(ImageView image, int x, int y) const { return image(x, y) < tiles(x / kTilePx, y / kTilePx); }
 };
 
+/// Where between the darkest and the lightest pixel of a neighbourhood the threshold lies.
+enum class Split : uint8_t {
+  kMiddle,     ///< half way: keeps the rings of small and blurred markers apart
+  kGeometric,  ///< half way in ratio: a hard shadow's edge across a marker does not take the sheet in it for ink
+};
+
 /// Bytes that compute_thresholds() takes from its arena, temporary maps included.
 std::size_t threshold_bytes(int width_px, int height_px);
 
-/// Middle between the darkest and the lightest pixel of the smallest neighbourhood that shows enough contrast.
+/// Splits the darkest from the lightest pixel of the smallest neighbourhood that shows enough contrast.
 ///
 /// Neighbourhoods are 3 x 3 tiles of 4, 8, .. 64 px: the finest resolves the rings of small markers, the coarser ones
 /// fill the flat insides of wide rings. The gate is min_contrast or what noise alone shows at that brightness:
@@ -33,6 +39,6 @@ std::size_t threshold_bytes(int width_px, int height_px);
 /// @param[out] map  lives as long as the arena's scope.
 /// @return kOk; kOutOfMemory.
 /// Cost: about 0.2 ms per megapixel.
-Status compute_thresholds(ImageView image, int min_contrast, Arena& arena, ThresholdMap& map);
+Status compute_thresholds(ImageView image, int min_contrast, Split split, Arena& arena, ThresholdMap& map);
 
 }  // namespace roomcal::marker
