@@ -23,10 +23,10 @@ bool all_finite(const Intrinsics& intrinsics) {
 // The columns that both models share; m_d is in the normalized plane, J_m its derivatives.
 void fill_jacobians(const Intrinsics& intrinsics, const Vec2& m_d, const Mat23& J_m_point,
                     const Eigen::Matrix<double, 2, kDistortionCount>& J_m_distortion, ProjectJacobians& out) {
-  const Eigen::DiagonalMatrix<double, 2> F(intrinsics.fx_px, intrinsics.fy_px);
-  out.J_point = F * J_m_point;
+  const Eigen::DiagonalMatrix<double, 2> focal_px(intrinsics.fx_px, intrinsics.fy_px);
+  out.J_point = focal_px * J_m_point;
   out.J_intrinsics.leftCols<4>() << m_d.x(), 0, 1, 0, 0, m_d.y(), 0, 1;
-  out.J_intrinsics.rightCols<kDistortionCount>() = F * J_m_distortion;
+  out.J_intrinsics.rightCols<kDistortionCount>() = focal_px * J_m_distortion;
 }
 
 }  // namespace

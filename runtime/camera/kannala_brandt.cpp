@@ -10,7 +10,7 @@ namespace roomcal::camera {
 namespace {
 
 // Straight behind, every direction of the plane meets: the azimuth is lost there.
-constexpr double kMaxAngle_rad = kPi - 1e-4;
+constexpr double kMaxAngleRad = kPi - 1e-4;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ ValueAndSlope KannalaBrandt::radius(double theta_rad) const {
 
 double KannalaBrandt::max_angle_rad(double max_distorted_radius) const {
   const double slope_in_t2[] = {1 - kMinSlope, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};
-  const double fold_rad = std::sqrt(first_non_positive(slope_in_t2, kMaxAngle_rad * kMaxAngle_rad));
+  const double fold_rad = std::sqrt(first_non_positive(slope_in_t2, kMaxAngleRad * kMaxAngleRad));
   const double reach[] = {max_distorted_radius, -1, 0, -k[0], 0, -k[1], 0, -k[2], 0, -k[3]};
   return first_non_positive(reach, fold_rad);
 }

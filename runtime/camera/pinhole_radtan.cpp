@@ -11,7 +11,7 @@ namespace roomcal::camera {
 namespace {
 
 // Half-way between what a pinhole can mean (below 90 degrees) and what anybody builds.
-constexpr double kMaxAngle_rad = deg_to_rad(89.0);
+constexpr double kMaxAngleRad = deg_to_rad(89.0);
 constexpr int kMaxRounds = 30;
 // A rounding error of the last few bits of m_d; further rounds would only dance about it.
 constexpr double kResidualFloor = 4e-16;
@@ -50,7 +50,7 @@ double PinholeRadtan::max_radius(double max_distorted_radius) const {
   const double along[] = {1 - kMinSlope, -tangential, 3 * k1, 0, 5 * k2};
   const double across[] = {1 - kMinSlope, -tangential, k1, 0, k2};
   const double reach[] = {max_distorted_radius, -1, 0, -k1, 0, -k2};
-  double radius = std::tan(kMaxAngle_rad);
+  double radius = std::tan(kMaxAngleRad);
   radius = first_non_positive(along, radius);
   radius = first_non_positive(across, radius);
   return first_non_positive(reach, radius);

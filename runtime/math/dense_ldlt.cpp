@@ -32,21 +32,21 @@ Status ldlt_factor(std::span<double> A, std::size_t n) {
   return ok_status();
 }
 
-void ldlt_solve(std::span<const double> LD, std::size_t n, std::span<double> b) {
-  assert(LD.size() >= n * n && b.size() >= n);
+void ldlt_solve(std::span<const double> L, std::size_t n, std::span<double> b) {
+  assert(L.size() >= n * n && b.size() >= n);
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < i; ++k) b[i] -= LD[i * n + k] * b[k];
-  for (std::size_t i = 0; i < n; ++i) b[i] /= LD[i * n + i];
+    for (std::size_t k = 0; k < i; ++k) b[i] -= L[i * n + k] * b[k];
+  for (std::size_t i = 0; i < n; ++i) b[i] /= L[i * n + i];
   for (std::size_t i = n; i-- > 0;)
-    for (std::size_t k = i + 1; k < n; ++k) b[i] -= LD[k * n + i] * b[k];
+    for (std::size_t k = i + 1; k < n; ++k) b[i] -= L[k * n + i] * b[k];
 }
 
-void ldlt_inverse(std::span<const double> LD, std::size_t n, std::span<double> A_inverse) {
+void ldlt_inverse(std::span<const double> L, std::size_t n, std::span<double> A_inverse) {
   assert(A_inverse.size() >= n * n);
   for (std::size_t row = 0; row < n; ++row) {
     const std::span<double> column = A_inverse.subspan(row * n, n);  // the inverse is symmetric
     for (std::size_t i = 0; i < n; ++i) column[i] = i == row ? 1 : 0;
-    ldlt_solve(LD, n, column);
+    ldlt_solve(L, n, column);
   }
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j)

@@ -17,9 +17,9 @@ namespace roomcal {
 Status ldlt_factor(std::span<double> A, std::size_t n);
 
 /// b := A^-1 b with the factors from ldlt_factor(). Cost: n^2 multiplications.
-void ldlt_solve(std::span<const double> LD, std::size_t n, std::span<double> b);
+void ldlt_solve(std::span<const double> L, std::size_t n, std::span<double> b);
 
 /// The whole, exactly symmetric inverse. @param[out] A_inverse n x n, not the factors' memory. Cost: n^3.
-void ldlt_inverse(std::span<const double> LD, std::size_t n, std::span<double> A_inverse);
+void ldlt_inverse(std::span<const double> L, std::size_t n, std::span<double> A_inverse);
 
 }  // namespace roomcal

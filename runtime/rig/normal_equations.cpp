@@ -58,8 +58,8 @@ void eliminate(const JointProblem& problem, std::span<const uint32_t> group, con
       const Term& b = problem.terms[j];
       if (b.weight == 0 || b.view > a.view) continue;  // the lower blocks suffice
       const Mat22 K = left * b.J_u.transpose() * b.weight;
-      const Eigen::Matrix<double, 6, 2> JtK = a.J_pose.transpose() * K;
-      block(equations.S, equations.size, a.view, b.view) -= JtK * b.J_pose;
+      const Eigen::Matrix<double, 6, 2> Jt_K = a.J_pose.transpose() * K;
+      block(equations.S, equations.size, a.view, b.view) -= Jt_K * b.J_pose;
     }
   }
 }

@@ -8,9 +8,9 @@ namespace roomcal::truth {
 
 namespace {
 
-constexpr double kSheetDistance_m = 0.2;
-constexpr double kBorder_px = 10;
-constexpr double kMaxSlant_rad = deg_to_rad(75);
+constexpr double kSheetDistanceM = 0.2;
+constexpr double kBorderPx = 10;
+constexpr double kMaxSlantRad = deg_to_rad(75);
 
 // One of the five surfaces, chosen by its area.
 RoomMarker random_marker(Random& random) {
@@ -26,7 +26,7 @@ RoomMarker random_marker(Random& random) {
 
 bool fits(const std::vector<RoomMarker>& room, const RoomMarker& marker) {
   for (const RoomMarker& other : room)
-    if ((other.p_room - marker.p_room).norm() < kSheetDistance_m) return false;
+    if ((other.p_room - marker.p_room).norm() < kSheetDistanceM) return false;
   return true;
 }
 
@@ -93,11 +93,11 @@ std::vector<Sighting> see_markers(const std::vector<RoomMarker>& room, const cam
   std::vector<Sighting> sightings;
   for (std::size_t i = 0; i < room.size(); ++i) {
     const Vec3 to_camera_room = T_room_cam.t - room[i].p_room;
-    if (to_camera_room.dot(room[i].normal_room) < std::cos(kMaxSlant_rad) * to_camera_room.norm()) continue;
+    if (to_camera_room.dot(room[i].normal_room) < std::cos(kMaxSlantRad) * to_camera_room.norm()) continue;
     Vec2 px;
     if (!camera.project(T_cam_room * room[i].p_room, px).ok()) continue;
-    if (px.x() < kBorder_px || px.x() > width_px - 1 - kBorder_px) continue;
-    if (px.y() < kBorder_px || px.y() > height_px - 1 - kBorder_px) continue;
+    if (px.x() < kBorderPx || px.x() > width_px - 1 - kBorderPx) continue;
+    if (px.y() < kBorderPx || px.y() > height_px - 1 - kBorderPx) continue;
     sightings.push_back({static_cast<uint16_t>(i), px});
   }
   return sightings;
