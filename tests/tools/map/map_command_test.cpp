@@ -51,20 +51,20 @@ class MapCommand : public testing::Test {
 };
 
 TEST_F(MapCommand, ImportInfoNoise_AgreeOnTheMarkers) {
-  const MapData room = test::box_room(40, 0.001, 1);
+  const MapData room = test::box_room(20, 0.001, 1);
   write_csv("m.csv", room.markers);
   run({"map", "import", file("m.csv"), "-o", file("m.room"), "--radius", "0.085", "--sigma", "0.002", "--id", "lab"});
   run({"map", "noise", file("m.room"), "--sigma", "0.01", "--seed", "3", "-o", file("n.room")});
   run({"map", "info", file("m.room"), "--json", file("m.json")});
   const LoadedMap exact = load_map(file("m.room")), noisy = load_map(file("n.room"));
-  ASSERT_EQ(exact.map.marker_count(), 200U);
+  ASSERT_EQ(exact.map.marker_count(), 100U);
   EXPECT_EQ(exact.map.marker(17).p_room, room.markers[17].p_room);
   EXPECT_NE(noisy.map.marker(17).p_room, room.markers[17].p_room);
   EXPECT_NEAR(noisy.map.marker(17).cov_m2(1, 1), 104e-6, 1e-9);
   const auto info = nlohmann::json::parse(read_text(file("m.json")));
   EXPECT_EQ(info["id"], "lab");
-  EXPECT_EQ(info["markers"], 200);
-  EXPECT_EQ(info["with_radius"], 200);
+  EXPECT_EQ(info["markers"], 100);
+  EXPECT_EQ(info["with_radius"], 100);
   EXPECT_EQ(info["bytes"], fs::file_size(file("m.room")));
   EXPECT_EQ(info["planes"].size(), 5U);
   EXPECT_NEAR(info["sigma_m"]["max"].get<double>(), 0.002, 1e-9);
