@@ -31,6 +31,14 @@ Mat22 residual_covariance(const Sight& sight, const map::IndexedMarker& marker, 
   return sight.cov_rad2 + across_room.transpose() * marker.cov_m2 * across_room / (range_m * range_m);
 }
 
+Matcher::Matcher(const SightSet& set, const map::TriangleIndex& index) : set_(set), index_(index) {
+  const Vec3 size_m = index.high_room() - index.low_room();
+  // The markers of one wall make a box without depth: a camera may then stand as far away as the wall is long.
+  const Vec3 beyond_m = (Vec3::Constant(size_m.maxCoeff()) - size_m).cwiseMax(kBeyondRoom_m);
+  low_room_ = index.low_room() - beyond_m;
+  high_room_ = index.high_room() + beyond_m;
+}
+
 bool Matcher::looks_like(const Sight& sight, const map::IndexedMarker& marker, const Vec3& to_camera_room,
                          double tolerance) const {
   if (sight.semi_major_rad <= 0 || !marker.has_radius) return true;
@@ -45,9 +53,7 @@ bool Matcher::looks_like(const Sight& sight, const map::IndexedMarker& marker, c
 bool Matcher::is_plausible(const SE3& T_room_cam, const std::array<uint16_t, 3>& sight,
                            const map::MarkerTriple& marker) const {
   const Vec3& c = T_room_cam.t;
-  if (!((c - index_.low_room()).minCoeff() > -kBeyondRoom_m && (index_.high_room() - c).minCoeff() > -kBeyondRoom_m)) {
-    return false;
-  }
+  if (!((c - low_room_).minCoeff() > 0 && (high_room_ - c).minCoeff() > 0)) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     const map::IndexedMarker& m = index_.markers()[marker[i]];
     const Vec3 to_camera_room = c - m.p_room;

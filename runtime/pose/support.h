@@ -22,7 +22,7 @@ struct Support {
 /// Matches predicted markers with sights, one to one; the shared core of verification, polish and judgement.
 class Matcher {
  public:
-  Matcher(const SightSet& set, const map::TriangleIndex& index) : set_(set), index_(index) {}
+  Matcher(const SightSet& set, const map::TriangleIndex& index);
 
   /// Cheap first look at a minimal solution: the camera is inside the room, the three markers face it and have the size
   /// and slant that was seen.
@@ -47,6 +47,8 @@ class Matcher {
 
   const SightSet& set_;
   const map::TriangleIndex& index_;
+  Vec3 low_room_;  // of where a camera may stand
+  Vec3 high_room_;
 };
 
 /// Covariance of a residual in the tangent plane: the sight's own and the marker's, seen from the camera.

@@ -56,6 +56,11 @@ class Viewer {
       low_ = low_.cwiseMin(m.p_room);
       high_ = high_.cwiseMax(m.p_room);
     }
+    // A map of one wall has no depth: cameras then stand in front of it (those behind it see nothing).
+    const Vec3 missing = (Vec3::Constant((high_ - low_).maxCoeff()) - (high_ - low_)) / 2.0;
+    const Vec3 margin = (missing.array() > 0.4 * (high_ - low_).maxCoeff()).select(missing, Vec3::Zero());
+    low_ -= margin;
+    high_ += margin;
   }
 
   void look() {
