@@ -5,6 +5,7 @@
 #include "tools/calibrate/calibrate_command.h"
 #include "tools/detect/detect_command.h"
 #include "tools/device/import_command.h"
+#include "tools/evaluate/evaluate_command.h"
 #include "tools/map/map_command.h"
 #include "tools/simulate/simulate_command.h"
 
@@ -18,6 +19,7 @@ namespace roomcal::tools {
 inline void add_commands(CLI::App& app, int& exit_code) {
   add_calibrate_command(app, exit_code);
   add_detect_command(app, exit_code);
+  add_evaluate_command(app, exit_code);
   add_import_command(app, exit_code);
   add_map_command(app, exit_code);
   add_simulate_command(app, exit_code);

@@ -1,0 +1,15 @@
+#include "tools/evaluate/evaluate_command.h"
+
+#include "tools/evaluate/anchor_room.h"
+#include "tools/evaluate/detector_command.h"
+
+namespace roomcal::tools {
+
+void add_evaluate_command(CLI::App& app, int& exit_code) {
+  CLI::App* evaluate = app.add_subcommand("evaluate", "Measure the parts against their bars");
+  evaluate->require_subcommand(1);
+  add_evaluate_anchor_room(*evaluate, exit_code);
+  add_evaluate_detector(*evaluate, exit_code);
+}
+
+}  // namespace roomcal::tools
