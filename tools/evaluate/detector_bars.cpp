@@ -33,32 +33,37 @@ std::vector<CellResult> pooled(const DetectorSweep& sweep, const std::function<b
 }
 
 Bar rms_bar(const DetectorSweep& sweep) {
+  const std::string demand = fmt::format("centre RMS <= {} x Cramer-Rao, 20..100 px, slant <= 45 deg", kRmsRatio);
   CellResult worst;
   for (const CellResult& cell : sweep.cells) {
-    const bool worse = worst.found == 0 || cell.ratio() > worst.ratio();
-    if (in_core(cell.spec) && cell.found > 0 && worse) worst = cell;
+    if (!in_core(cell.spec) || cell.found == 0) continue;
+    if (worst.found == 0 || !(cell.ratio() <= worst.ratio())) worst = cell;  // not a number is the worst
   }
-  return {fmt::format("centre RMS <= {} x Cramer-Rao, 20..100 px, slant <= 45 deg", kRmsRatio),
+  if (worst.found == 0) return {demand, "no marker found", false};
+  return {demand,
           fmt::format("at worst {:.2f} x ({} px, {} deg, gradient {}, noise {})", worst.ratio(), worst.spec.diameter_px,
                       worst.spec.slant_deg, worst.spec.gradient, worst.spec.noise_sigma),
-          worst.found > 0 && worst.ratio() <= kRmsRatio};
+          worst.ratio() <= kRmsRatio};
 }
 
 /// One direction of light at a time: a fit that is blind to the gradient is off along it.
 Bar mean_bar(const DetectorSweep& sweep) {
-  const auto groups = pooled(sweep, in_core, [](const CellSpec& s) { return Key(s.diameter_px, s.gradient); });
+  const std::string demand =
+      fmt::format("mean offset <= {} px at each size and light, 20..100 px, slant <= 45 deg", kMeanOffset_px);
   CellResult worst;
   double sigma_px = 0;
-  for (const CellResult& group : groups) {
-    if (group.mean_error_px().norm() >= worst.mean_error_px().norm()) worst = group;
+  for (const CellResult& group :
+       pooled(sweep, in_core, [](const CellSpec& s) { return Key(s.diameter_px, s.gradient); })) {
+    if (!(group.mean_error_px().norm() < worst.mean_error_px().norm())) worst = group;
     sigma_px = std::max(sigma_px, group.mean_error_sigma_px());
   }
+  if (worst.found == 0) return {demand, "no marker found", false};
   const Vec2 mean_px = worst.mean_error_px();
   return {
-      fmt::format("mean offset <= {} px at each size and light, 20..100 px, slant <= 45 deg", kMeanOffset_px),
+      demand,
       fmt::format("at worst ({:+.4f}, {:+.4f}) px +- {:.4f} ({} px, gradient {}, {} markers)", mean_px.x(), mean_px.y(),
                   worst.mean_error_sigma_px(), worst.spec.diameter_px, worst.spec.gradient, worst.found),
-      !groups.empty() && mean_px.norm() <= kMeanOffset_px && sigma_px <= kMeanOffsetSigma_px};
+      mean_px.norm() <= kMeanOffset_px && sigma_px <= kMeanOffsetSigma_px};
 }
 
 Bar recall_bar(const DetectorSweep& sweep, const std::string& demand, double limit,

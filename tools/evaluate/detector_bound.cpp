@@ -117,7 +117,8 @@ CentreBound centre_bound(const FieldMarker& marker, const camera::Camera& camera
   const Eigen::Matrix<double, kGeometryAndLight, kGeometryAndLight> known_print =
       information.topLeftCorner<kGeometryAndLight, kGeometryAndLight>().inverse();
   const Eigen::Matrix<double, kAll, kAll> unknown_print = information.inverse();
-  return {known_print.topLeftCorner<2, 2>(), unknown_print.topLeftCorner<2, 2>()};
+  return {information.topLeftCorner<2, 2>().inverse(), known_print.topLeftCorner<2, 2>(),
+          unknown_print.topLeftCorner<2, 2>()};
 }
 
 }  // namespace roomcal::tools

@@ -7,8 +7,9 @@ namespace roomcal::tools {
 
 /// Cramer-Rao bounds of a marker centre's covariance at a pixel noise of 1 grey level; they grow with its square.
 struct CentreBound {
-  Mat22 cov_px2 = Mat22::Zero();       ///< unknown: homography (7), light with its gradient (3), ink (1)
-  Mat22 cov_full_px2 = Mat22::Zero();  ///< radii of the inner circles (5) and blur (1) unknown as well
+  Mat22 cov_known_px2 = Mat22::Zero();  ///< nothing but the centre unknown
+  Mat22 cov_px2 = Mat22::Zero();        ///< unknown: homography (7), light with its gradient (3), ink (1)
+  Mat22 cov_full_px2 = Mat22::Zero();   ///< radii of the inner circles (5) and blur (1) unknown as well
 };
 
 /// Smooth image model: a homography of concentric circles, each edge a Gaussian integral across it in pixels, times a

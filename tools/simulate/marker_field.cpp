@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kEdgeReach_px = 1.0;
 constexpr double kWallAlbedo = 0.42;
+constexpr double kLinearReach = 0.65;  // diameters from the centre; the blurred outer edge lies within
 
 Plane plane_of(const FieldMarker& marker) {
   Plane plane;
@@ -55,8 +56,7 @@ MarkerField::MarkerField(const FieldOptions& options) : options_(options) {
   require(made.status(), "lens of the marker field");
   camera_ = made.value();
   cell_px_ = options.pitch * options.diameter_px + 6;
-  light_per_px_ = options.gradient / options.diameter_px *
-                  Vec2(std::cos(options.gradient_azimuth_rad), std::sin(options.gradient_azimuth_rad));
+  uphill_ = Vec2(std::cos(options.gradient_azimuth_rad), std::sin(options.gradient_azimuth_rad));
   columns_ = static_cast<int>(options.lens.width_px / cell_px_);
   rows_ = static_cast<int>(options.lens.height_px / cell_px_);
   if (columns_ < 1 || rows_ < 1) throw ToolError("marker field: the image is smaller than one marker; enlarge it");
@@ -92,7 +92,10 @@ FieldMarker MarkerField::draw_marker(const Vec2& cell_centre_px, uint64_t stream
 }
 
 double MarkerField::light_at(const FieldMarker& marker, const Vec2& px) const {
-  return 1 + light_per_px_.dot(px - marker.centre_px);
+  const double t = uphill_.dot(px - marker.centre_px) / options_.diameter_px;
+  const double to_border = cell_px_ / (2 * options_.diameter_px) - std::abs(t);
+  const double fall = kLinearReach / (cell_px_ / (2 * options_.diameter_px) - kLinearReach);
+  return 1 + options_.gradient * std::copysign(std::min(std::abs(t), fall * std::max(0.0, to_border)), t);
 }
 
 Paint MarkerField::paint_at(const Sheet& sheet, const Vec3& ray, const Mat22* footprint, double sample_px) const {

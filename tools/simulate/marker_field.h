@@ -35,7 +35,8 @@ struct FieldMarker {
   Vec2 centre_px = Vec2::Zero();  ///< truth
 };
 
-/// The field as a picture. Its light varies linearly across each cell, in the image.
+/// The field as a picture. Its light varies linearly across each marker and its surroundings, in the image, and falls
+/// back to the mean towards the cell's border: a jump there would be a hard edge beside every small marker.
 class MarkerField final : public Radiance {
  public:
   /// @throws ToolError if not one cell fits into the image.
@@ -62,7 +63,7 @@ class MarkerField final : public Radiance {
   FieldOptions options_;
   camera::Camera camera_;
   double cell_px_ = 0;
-  Vec2 light_per_px_ = Vec2::Zero();
+  Vec2 uphill_ = Vec2::UnitX();
   int columns_ = 0;
   int rows_ = 0;
   std::vector<FieldMarker> markers_;
