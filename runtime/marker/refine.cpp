@@ -105,6 +105,7 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   RingPixels all, few;
   ROOMCAL_TRY(gather_ring_pixels(image, fit.model, kFitReach, scratch, all));
   ROOMCAL_TRY(thin_ring_pixels(all, kThinnedPixels, scratch, few));
+  fit.pixels = all.count;
   const auto magnitudes = scratch.allocate_uninitialized<float>(static_cast<std::size_t>(all.count));
   if (magnitudes.empty()) return out_of_scratch();
   const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));

@@ -10,8 +10,11 @@ namespace {
 // Beyond this many sigma an edge is a plain step.
 constexpr float kEdgeReach = 3.2F;
 
-constexpr float kMaxBend = 0.12F;
-constexpr float kMaxShift = 0.5F;
+// The second-order terms are limited so that |t0| = kFarReach always gives |t| > kEdgeReach: far pixels see no edge.
+constexpr float kMaxBend = 0.04F;
+constexpr float kMaxShift = 0.3F;
+constexpr float kFarReach = 4.5F;
+static_assert(kFarReach * (1 - kMaxBend * kFarReach) - kMaxShift > kEdgeReach);
 
 // Odd polynomial for Phi(t) - 1/2 on |t| <= 3.2, value 1/2 and slope 0 at the ends, least squares in between; off by
 // 7e-4 at most. Its exact derivative stands in for the density, so that model and Jacobian agree.
@@ -29,7 +32,7 @@ struct BlockGeometry {
   float shift[kBlockPixels];             // sigma * curvature / 2: blurred curved edges move inwards
   float paper[kBlockPixels];             // w
   float density[kBlockPixels];           // sum_j s_j phi(t_j)
-  float moment[kBlockPixels];            // sum_j s_j phi(t_j) t_j
+  float moment[kBlockPixels];            // d w / d sigma, times -sigma
 };
 
 void measure_geometry(const RingModel& model, const RingPixels& pixels, int first, BlockGeometry& g, RingBlock& block) {
@@ -99,8 +102,8 @@ Range range_of(const float* value) {
 void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, float* radius_row) {
   for (int i = 0; i < kBlockPixels; ++i) {
     float t0 = (block.radius[i] - rho) * g.inverse_distance[i];
-    t0 = t0 < -kEdgeReach ? -kEdgeReach : t0;
-    t0 = t0 > kEdgeReach ? kEdgeReach : t0;
+    t0 = t0 < -kFarReach ? -kFarReach : t0;
+    t0 = t0 > kFarReach ? kFarReach : t0;
     const float stretch = 1.0F + 2.0F * g.bend[i] * t0;
     float t = t0 * (1.0F + g.bend[i] * t0) + g.shift[i];
     t = t < -kEdgeReach ? -kEdgeReach : t;
@@ -113,7 +116,7 @@ void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, f
                 q * (3 * kStep[1] + q * (5 * kStep[2] + q * (7 * kStep[3] + q * (9 * kStep[4] + q * 11 * kStep[5])))));
     g.paper[i] += sign * (0.5F + step);
     g.density[i] += density * stretch;
-    g.moment[i] += density * t;
+    g.moment[i] += density * (t - 2.0F * g.shift[i]);  // t0 falls with the blur, the shift grows
     radius_row[i] = -density * stretch * g.inverse_distance[i];
   }
 }
@@ -121,7 +124,7 @@ void add_edge(float rho, float sign, const RingBlock& block, BlockGeometry& g, f
 // Edges that the block meets get a row; those wholly to one side are a constant.
 void add_edges(const RingModel& model, BlockGeometry& g, RingBlock& block) {
   const Range radius = range_of(block.radius);
-  const float reach = kEdgeReach / range_of(g.inverse_distance).low;
+  const float reach = kFarReach / range_of(g.inverse_distance).low;
   float constant = 1;
   std::fill_n(g.density, kBlockPixels, 0.0F);
   std::fill_n(g.moment, kBlockPixels, 0.0F);
@@ -168,14 +171,15 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
   const int valid = std::min(kBlockPixels, pixels.count - first);
   alignas(64) float root_weight[kBlockPixels];
   alignas(64) float paper_light[kBlockPixels];
+  alignas(64) float blurred_light[kBlockPixels];
   for (int i = 0; i < kBlockPixels; ++i) {
     const float light = l0 + lx * x[i] + ly * y[i];
     const float reflectance = ink + (1.0F - ink) * g.paper[i];
     // The blur acts on light times print: for affine light that adds sigma^2 grad(light) . grad(print), which moves
     // every edge the same way; without it the centre is off by sigma^2 |grad(light)| / light.
     const float print_slope = (1.0F - ink) * g.density[i] * g.inverse_distance[i];
-    const float blurred_light = blur2 * (lx * g.gradient_x[i] + ly * g.gradient_y[i]) * print_slope;
-    const float predicted = light * reflectance + blurred_light;
+    blurred_light[i] = blur2 * (lx * g.gradient_x[i] + ly * g.gradient_y[i]) * print_slope;
+    const float predicted = light * reflectance + blurred_light[i];
     block.residual[i] = grey[i] - predicted;
     const float weight = weight_of(grey[i], predicted, block.residual[i], inverse_scale2);
     block.weight[i] = i < valid ? weight : 0.0F;
@@ -200,7 +204,7 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
     block.row[kLightX][i] = reflectance * x[i];
     block.row[kLightY][i] = reflectance * y[i];
     block.row[kInk][i] = light * (1.0F - g.paper[i]) * root_weight[i];
-    block.row[kBlur][i] = -paper_light[i] * g.moment[i] * inverse_blur * root_weight[i];
+    block.row[kBlur][i] = (blurred_light[i] - paper_light[i] * g.moment[i]) * inverse_blur * root_weight[i];
   }
   for (int i = 0; i < kFirstRadius; ++i) block.parameter[static_cast<std::size_t>(i)] = i;
   for (int row = kFirstRadius; row < block.rows; ++row) {
@@ -257,7 +261,7 @@ void accumulate(const RingBlock& block, const ResidualWeighting& weighting, Norm
     }
   }
   const double inverse_scale2 = 1.0 / (weighting.scale_grey * weighting.scale_grey);
-  double cost = 0;
+  double cost = 0, previous = 0;
   for (int i = 0; i < kBlockPixels; ++i) {
     if (block.weight[i] <= 0) continue;
     const double square = static_cast<double>(block.residual[i]) * static_cast<double>(block.residual[i]);
@@ -265,6 +269,9 @@ void accumulate(const RingBlock& block, const ResidualWeighting& weighting, Norm
     const double spread = 1 + square * inverse_scale2;
     cost += square / spread;
     equations.weight += weight;
+    const double influence = weight * static_cast<double>(block.residual[i]);
+    equations.neighbours += previous * influence;
+    previous = influence;
     equations.influence2 += weight * weight * square;
     equations.slope += weight * (4 - 3 * spread) / spread;
   }

@@ -52,6 +52,7 @@ struct NormalEquations {
   /// Sums over the pixels, psi = w e being the robust influence: w, psi^2 and d psi / d e. Weighted steps fall short
   /// by weight / slope; the covariance per unit of the inverse is influence2 * weight / slope^2.
   double weight = 0, influence2 = 0, slope = 0;
+  double neighbours = 0;  ///< sum of psi of a pixel times psi of the next: zero for noise, positive for a misfit
 
   double hessian(int i, int j) const { return sum[index(i < j ? i : j)][index(i < j ? j : i)]; }
   double gradient(int i) const { return sum[index(i)][kMaxParameters]; }

@@ -15,7 +15,7 @@ struct SectorTally {
 /// Result of one evaluation of a model over a pixel set.
 struct RingEvaluation {
   NormalEquations equations;
-  int clipped_or_outlying = 0;  ///< pixels of weight below one quarter
+  int outlying = 0;  ///< pixels set aside: weight below a quarter, the clipped ones apart
 };
 
 /// Evaluates model and Jacobian at every pixel. @param absolute_residual  count entries, or empty.

@@ -28,7 +28,9 @@ struct EdgePoints {
 bool find_edge(const PolarGrid& grid, int ray, double window, double& rho) {
   const auto& level = grid.level[at(ray)];
   window = std::max(window, 1.2 / grid.A.col(0).norm());  // a pixel and a bit
-  const int reach = std::max(1, static_cast<int>(std::lround(0.5 / (grid.spacing * grid.A.col(0).norm()))));
+  // Differences over 0.6 px or a thirtieth of the radius: noise must not make edges of its own in a blurred marker.
+  const double half_rho = std::max(0.6 / grid.A.col(0).norm(), 0.033);
+  const int reach = std::max(1, static_cast<int>(std::lround(half_rho / grid.spacing)));
   const int first = std::max(reach, static_cast<int>(grid.sample(1 - window)));
   const int last = std::min(grid.samples - 1 - reach, static_cast<int>(std::ceil(grid.sample(1 + window))));
   const auto rise = [&](int j) { return level[at(j + reach)] - level[at(j - reach)]; };
@@ -134,7 +136,7 @@ Status snap_to_outer_edge(const PolarGrid& grid, double window, Ellipse& ellipse
   support = 0;
   Conic conic;
   // Edge points are good to a few tenths of a pixel where blur has merged the rings.
-  const double floor = std::max(0.02, 0.35 / grid.A.col(1).norm());
+  const double floor = std::max(0.03, 0.35 / grid.A.col(1).norm());
   const double agreeing = fit_conic(points, std::max(window, 2 * floor), floor, conic);
   if (agreeing < 12) return {StatusCode::kNotFound, "no closed dark-to-light edge"};
   Ellipse fitted;

@@ -15,6 +15,12 @@ constexpr double kRingSignificance = 8;
 constexpr double kMinRingWidth = 0.03;  // of the outer radius; CCTag's thinnest is 0.1
 constexpr double kMinInnermost = 0.08;  // light disc in the middle: refuses bull's eyes with a dark one
 constexpr double kMaxCentreSigma_px = 0.15;
+// What a Gaussian blur leaves of a real one: found by rendering with a blur sampled at whole pixels.
+constexpr double kModelSigma_px = 0.0015;
+constexpr double kMaxOutlying = 0.1;  // share of pixels the fit sets aside: more is a shadow's edge or an occluder
+constexpr double kMaxMisfit = 0.03;   // correlated residual, of the contrast
+constexpr double kMaxNoise = 0.06;    // of the contrast, where it exceeds what a sensor makes by itself
+constexpr double kSensorNoise_grey = 5;
 constexpr double kMinAxisRatio = 0.2;  // slant 78 degrees
 
 constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
@@ -76,6 +82,18 @@ SectorShares judge_sectors(const FittedRings& fit) {
   return shares;
 }
 
+// Correlation of a residual with the next pixel's along the ring; noise has none.
+double misfit_correlation(const NormalEquations& equations) {
+  return std::clamp(equations.neighbours / std::fmax(equations.influence2, 1e-9), 0.0, 0.9);
+}
+
+// A shadow's edge, an occluder or another thing that the light's plane cannot follow.
+bool is_misfit(const FittedRings& fit) {
+  const double misfit_grey = fit.noise_grey * std::sqrt(misfit_correlation(fit.evaluation.equations));
+  return fit.evaluation.outlying > kMaxOutlying * fit.pixels || misfit_grey > kMaxMisfit * fit.model.contrast() ||
+         (fit.noise_grey > kMaxNoise * fit.model.contrast() && fit.noise_grey > kSensorNoise_grey);
+}
+
 bool is_uncertain(const FittedRings& fit, const Detection& detection) {
   if (fit.last_step_px < 0 || fit.last_step_px > 0.1 * fit.model.blur_px()) return true;
   if (!(detection.cov_px2.trace() < kMaxCentreSigma_px * kMaxCentreSigma_px)) return true;
@@ -100,11 +118,16 @@ Status verify_rings(const FittedRings& fit, double outside_share, const Detector
 
   found.centre_px = model.centre_px();
   found.rings = model.rings;
-  const double unit = residual_variance(fit.evaluation.equations) * model.scale_px * model.scale_px;
+  // Correlated residuals carry less information than their number says: first-order autoregression along a ring.
+  const double correlation = misfit_correlation(fit.evaluation.equations);
+  const double unit = residual_variance(fit.evaluation.equations) * model.scale_px * model.scale_px *
+                      (1 + correlation) / (1 - correlation);
   found.cov_px2 << inverse[0][0], inverse[0][1], inverse[1][0], inverse[1][1];
   found.cov_px2 *= unit;
+  found.cov_px2 += kModelSigma_px * kModelSigma_px * Mat22::Identity();
   found.status = DetectionStatus::kOk;
   if (is_uncertain(fit, found)) found.status = DetectionStatus::kUnstable;
+  if (is_misfit(fit)) found.status = DetectionStatus::kUnstable;
   if (sectors.good < 0.9) found.status = DetectionStatus::kOccluded;
   if (outside_share > 0) found.status = DetectionStatus::kCutByBorder;
   detection = found;

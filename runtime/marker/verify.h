@@ -9,6 +9,7 @@ struct FittedRings {
   RingModel model;
   RingEvaluation evaluation;  ///< at the last step's start, all pixels
   SectorTally tally;
+  int pixels = 0;           ///< evaluated
   double noise_grey = 0;    ///< robust standard deviation of the residuals
   double last_step_px = 0;  ///< centre's movement in the last Gauss-Newton step; negative if it was refused
 };
