@@ -8,6 +8,7 @@
 #include "runtime/marker/cut_piece.h"
 #include "runtime/marker/halve_image.h"
 #include "runtime/marker/ring_probe.h"
+#include "runtime/marker/small_markers.h"
 #include "runtime/marker/threshold.h"
 
 namespace roomcal::marker {
@@ -26,19 +27,6 @@ bool same_ellipse(const Candidate& a, const Candidate& b) {
   const double reach_px = kSameCentre * std::min(a.outer.minor_px, b.outer.minor_px) / 2;
   return (a.outer.centre_px - b.outer.centre_px).squaredNorm() < reach_px * reach_px &&
          std::abs(a.outer.major_px - b.outer.major_px) < kSameSize * std::max(a.outer.major_px, b.outer.major_px);
-}
-
-void add(const Candidate& candidate, CandidateList& list) {
-  for (Candidate& known : list.items.first(list.count)) {
-    if (!same_ellipse(known, candidate)) continue;
-    if (candidate.rings > known.rings) known = candidate;
-    return;
-  }
-  if (list.count == list.items.size()) {
-    ++list.dropped;
-    return;
-  }
-  list.items[list.count++] = candidate;
 }
 
 /// What one pass looks at, and where its pixels lie in the full image: p_full = scale * p + offset.
@@ -73,7 +61,7 @@ void probe(ImageView full, const DetectorOptions& options, const Blob& blob, Can
   Candidate candidate;
   ++list.probed;
   found = probe_rings(full, blob, options, candidate);
-  if (found) add(candidate, list);
+  if (found) add_candidate(candidate, list);
 }
 
 /// Specks of light are the most common shape of noise. In a marker they sit in a dark ring, which is a blob then.
@@ -124,13 +112,30 @@ Status run_pass(ImageView full, const DetectorOptions& options, const Pass& pass
 
 }  // namespace
 
+void add_candidate(const Candidate& candidate, CandidateList& list) {
+  for (Candidate& known : list.items.first(list.count)) {
+    if (!same_ellipse(known, candidate)) continue;
+    if (candidate.rings > known.rings) known = candidate;
+    return;
+  }
+  if (list.count == list.items.size()) {
+    ++list.dropped;
+    return;
+  }
+  list.items[list.count++] = candidate;
+}
+
 std::size_t candidate_capacity(int width_px, int height_px) {
   return std::max<std::size_t>(512, static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px) / 512);
 }
 
 std::size_t candidates_bytes(int width_px, int height_px) {
-  return candidate_capacity(width_px, height_px) * sizeof(Candidate) + halved_bytes(width_px, height_px) +
-         threshold_bytes(width_px, height_px) + components_bytes(width_px, height_px) + 3 * alignof(std::max_align_t);
+  const auto pass_bytes = [](int width, int height) {
+    return threshold_bytes(width, height) + components_bytes(width, height);
+  };
+  const std::size_t halved = halved_bytes(width_px, height_px) + pass_bytes(width_px / 2, height_px / 2);
+  return candidate_capacity(width_px, height_px) * sizeof(Candidate) + small_markers_bytes(width_px) +
+         3 * alignof(std::max_align_t) + std::max(pass_bytes(width_px, height_px), halved);
 }
 
 Status find_candidates(ImageView image, const DetectorOptions& options, Arena& arena, CandidateList& list) {
@@ -139,10 +144,12 @@ Status find_candidates(ImageView image, const DetectorOptions& options, Arena& a
   if (list.items.empty()) return out_of_arena("marker candidates: give the detector detector_scratch_bytes()");
   const Arena::Scope scope(arena);
   ROOMCAL_TRY(run_pass(image, options, {image, Split::kMiddle, 1.0, 0.0}, arena, list));
-  if (image.width() < kHalvedPassPx || image.height() < kHalvedPassPx) return ok_status();
-  MutableImageView half;
-  ROOMCAL_TRY(halve_image(image, arena, half));
-  return run_pass(image, options, {half, Split::kGeometric, 2.0, 0.5}, arena, list);
+  if (image.width() >= kHalvedPassPx && image.height() >= kHalvedPassPx) {
+    MutableImageView half;
+    ROOMCAL_TRY(halve_image(image, arena, half));
+    ROOMCAL_TRY(run_pass(image, options, {half, Split::kGeometric, 2.0, 0.5}, arena, list));
+  }
+  return find_small_markers(image, options, arena, list);
 }
 
 }  // namespace roomcal::marker

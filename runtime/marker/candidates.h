@@ -19,6 +19,9 @@ struct CandidateList {
   int dropped = 0;     ///< found, but no room in a table: the caller must tell
 };
 
+/// Adds a candidate unless the same ellipse is in the list; counts it as dropped if the list is full.
+void add_candidate(const Candidate& candidate, CandidateList& list);
+
 /// Candidates that find_candidates() may return for an image of this size: far more than markers fit into it.
 std::size_t candidate_capacity(int width_px, int height_px);
 
@@ -29,8 +32,8 @@ std::size_t candidates_bytes(int width_px, int height_px);
 ///
 /// Two passes: the image as it is finds small markers; at half its size, with another split of dark and light, noise,
 /// blur and hard shadows do less harm to the larger ones. What the first pass found is not looked at again.
-/// In each, threshold.h makes dark and light, components.h finds nested concentric ellipses, ring_probe.h finds each
-/// nest's outer circle.
+/// small_markers.h then looks for those that no threshold resolves. In each pass, threshold.h makes dark and light,
+/// components.h finds nested concentric ellipses, ring_probe.h finds each nest's outer circle.
 ///
 /// @param[out] list  its items lie in `arena`.
 /// @return kOk; kOutOfMemory.

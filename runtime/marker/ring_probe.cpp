@@ -10,6 +10,7 @@
 #include "runtime/base/fixed_vector.h"
 #include "runtime/marker/blob_shape.h"
 #include "runtime/marker/conic.h"
+#include "runtime/marker/ellipse_of.h"
 
 namespace roomcal::marker {
 namespace {
@@ -253,21 +254,6 @@ int edge_points(const Polar& polar, int at, float least, std::array<Vec2, kRayCo
   return count;
 }
 
-Ellipse to_ellipse(const Vec2& centre_px, const Mat22& S2) {
-  const double mean = (S2(0, 0) + S2(1, 1)) / 2;
-  const double half_difference = (S2(0, 0) - S2(1, 1)) / 2;
-  const double spread = std::hypot(half_difference, S2(0, 1));
-  return {centre_px, 2 * std::sqrt(mean + spread), 2 * std::sqrt(std::max(mean - spread, 0.0)),
-          0.5 * std::atan2(S2(0, 1), half_difference)};
-}
-
-bool crosses_border(ImageView image, const Vec2& centre_px, const Mat22& S2) {
-  const double hx = std::sqrt(S2(0, 0));
-  const double hy = std::sqrt(S2(1, 1));
-  return centre_px.x() - hx < 0.5 || centre_px.y() - hy < 0.5 || centre_px.x() + hx > image.width() - 1.5 ||
-         centre_px.y() + hy > image.height() - 1.5;
-}
-
 using EdgeList = FixedVector<Edge, 12>;
 
 /// Rising edges of the alternation that goes outwards from the blob's own edge, that one included if it rises.
@@ -340,7 +326,7 @@ bool probe_rings(ImageView image, const Blob& blob, const DetectorOptions& optio
   while (edges.size() > 1 && ring_count() > options.max_rings) edges.pop_back();
   while (!edges.empty() && !fit_edge(polar, edges.back(), least, centre_px, S2)) edges.pop_back();
   if (edges.empty()) return false;
-  found.outer = to_ellipse(centre_px, S2);
+  found.outer = ellipse_of(centre_px, S2);
   found.rings = ring_count();
   found.touches_border = crosses_border(image, centre_px, S2);
   return found.outer.major_px >= options.min_diameter_px && found.outer.minor_px >= 0.15 * found.outer.major_px;
