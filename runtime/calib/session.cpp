@@ -1,6 +1,7 @@
 #include "runtime/calib/session.h"
 
 #include <algorithm>
+#include <array>
 
 #include "runtime/calib/preflight.h"
 #include "runtime/calib/reason.h"
@@ -83,31 +84,31 @@ Status locate_cameras(const Session& session, Arenas& arenas, Outcome& outcome) 
   return ok_status();
 }
 
-/// The located cameras as one least-squares problem. Spans live in the step arena.
-struct JointProblem {
-  std::span<rig::Landmark> landmarks;  ///< the map's markers, all of them, in its numbering
-  FixedVector<rig::CameraView, kMaxCameras> views;
+/// What the joint problem is made of. Spans live in the step arena.
+struct JointInput {
+  std::span<rig::Landmark> landmarks;                              ///< the map's markers, all of them, in its numbering
+  std::array<std::span<rig::RingObservation>, kMaxCameras> rings;  ///< of every located camera
 };
 
-Status build_problem(const Session& session, Arenas& arenas, Outcome& outcome, JointProblem& problem) {
-  problem.landmarks = arenas.step.allocate<rig::Landmark>(session.map.marker_count());
-  if (problem.landmarks.empty()) return out_of_arena("step arena: no room for landmarks: reserve plan_memory()");
-  for (std::size_t m = 0; m < problem.landmarks.size(); ++m) {
+Status collect_rings(const CameraOutcome& camera, Arena& step, std::span<rig::RingObservation>& rings) {
+  rings = step.allocate<rig::RingObservation>(camera.inliers.size());
+  if (rings.empty()) return out_of_arena("step arena: no room for observations: reserve plan_memory()");
+  for (std::size_t k = 0; k < rings.size(); ++k) {
+    const marker::Detection& detection = camera.detections[camera.inliers[k].observation];
+    rings[k] = {detection.centre_px, detection.cov_px2, camera.inliers[k].marker};
+  }
+  return ok_status();
+}
+
+Status collect_input(const Session& session, const Outcome& outcome, Arena& step, JointInput& input) {
+  input.landmarks = step.allocate<rig::Landmark>(session.map.marker_count());
+  if (input.landmarks.empty()) return out_of_arena("step arena: no room for landmarks: reserve plan_memory()");
+  for (std::size_t m = 0; m < input.landmarks.size(); ++m) {
     const map::MapMarker marker = session.map.marker(m);
-    problem.landmarks[m] = {marker.p_room, marker.cov_m2};
+    input.landmarks[m] = {marker.p_room, marker.cov_m2};
   }
-  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
-    CameraOutcome& camera = outcome.cameras[i];
-    if (!camera.located) continue;
-    const auto rings = arenas.step.allocate<rig::RingObservation>(camera.inliers.size());
-    if (rings.empty()) return out_of_arena("step arena: no room for observations: reserve plan_memory()");
-    for (std::size_t k = 0; k < rings.size(); ++k) {
-      const marker::Detection& detection = camera.detections[camera.inliers[k].observation];
-      rings[k] = {detection.centre_px, detection.cov_px2, camera.inliers[k].marker};
-    }
-    camera.view = problem.views.size();
-    static_cast<void>(problem.views.push_back({&session.device.cameras[i].camera, rings, camera.T_room_cam}));
-  }
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+    if (outcome.cameras[i].located) ROOMCAL_TRY(collect_rings(outcome.cameras[i], step, input.rings[i]));
   return ok_status();
 }
 
@@ -126,26 +127,48 @@ void take_solution(Outcome& outcome) {
   }
 }
 
-/// A joint fit that fails leaves no camera located: single poses are not extrinsics with a covariance.
-void drop_all(const Status& status, Outcome& outcome) {
-  for (CameraOutcome& camera : outcome.cameras)
-    if (camera.located) {
-      camera.located = false;
-      camera.failure = camera_reason(camera.name, status);
-    }
+using Views = FixedVector<rig::CameraView, kMaxCameras>;
+
+void number_views(const Session& session, const JointInput& input, Outcome& outcome, Views& views) {
+  views.clear();
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
+    CameraOutcome& camera = outcome.cameras[i];
+    if (!camera.located) continue;
+    camera.view = views.size();
+    static_cast<void>(views.push_back({&session.device.cameras[i].camera, input.rings[i], camera.T_room_cam}));
+  }
 }
 
+/// Takes cameras out of the located ones: the blamed view, or all of them where the fit as a whole failed. A single
+/// pose without its covariance would be no extrinsic.
+void drop(const Status& status, std::size_t blamed_view, Outcome& outcome) {
+  for (CameraOutcome& camera : outcome.cameras) {
+    if (!camera.located || (status.code() == StatusCode::kDegenerate && camera.view != blamed_view)) continue;
+    camera.located = false;
+    camera.failure = camera_reason(camera.name, status);
+  }
+}
+
+/// Solves for all located cameras; one that its markers do not determine is left out and the rest solved again.
 Status refine_jointly(const Session& session, Arenas& arenas, Outcome& outcome) {
-  JointProblem problem;
-  ROOMCAL_TRY(build_problem(session, arenas, outcome, problem));
-  if (problem.views.empty()) return ok_status();
-  const Status status =
-      rig::solve_cameras(problem.views.span(), problem.landmarks, {}, arenas.step, arenas.scratch, outcome.solution);
-  if (status.code() == StatusCode::kOutOfMemory) return status;
-  if (status.ok())
-    take_solution(outcome);
-  else
-    drop_all(status, outcome);
+  const auto is_located = [](const CameraOutcome& camera) { return camera.located; };
+  if (std::none_of(outcome.cameras.begin(), outcome.cameras.end(), is_located)) return ok_status();
+  JointInput input;
+  ROOMCAL_TRY(collect_input(session, outcome, arenas.step, input));
+  rig::SolveOptions options;
+  options.sigma_floor_px = session.sigma_floor_px;
+  Views views;
+  for (number_views(session, input, outcome, views); !views.empty(); number_views(session, input, outcome, views)) {
+    std::size_t blamed_view = 0;
+    const Status status = rig::solve_cameras(views.span(), input.landmarks, options, arenas.step, arenas.scratch,
+                                             outcome.solution, &blamed_view);
+    if (status.code() == StatusCode::kOutOfMemory) return status;
+    if (status.ok()) {
+      take_solution(outcome);
+      return ok_status();
+    }
+    drop(status, blamed_view, outcome);
+  }
   return ok_status();
 }
 

@@ -20,6 +20,9 @@ struct Session {
   const map::RoomMap& map;
   const map::TriangleIndex& index;
   Limits limits;
+  /// Per axis, added in quadrature to every ring centre: what the detector cannot see of print, paper and lens. The
+  /// remainder that rings of independently rendered rooms show beyond their own covariance.
+  double sigma_floor_px = 0.004;
 };
 
 /// One shot of images in, judged extrinsics out: detect -> locate cameras -> refine jointly -> judge.

@@ -18,6 +18,7 @@
 #include "tools/common/image_io.h"
 #include "tools/common/steady_clock.h"
 #include "tools/device/device_yaml.h"
+#include "tools/map/map_builder.h"
 
 namespace roomcal::tools {
 
@@ -48,8 +49,8 @@ void report(const Options& options, const calib::Device& device, const map::Room
 }
 
 calib::Verdict run(const Options& options) {
-  const AlignedBytes map_bytes = read_bytes(options.map_file);
-  const map::RoomMap map = must(map::RoomMap::open(map_bytes.span()), options.map_file);
+  const LoadedMap loaded = load_map(options.map_file);
+  const map::RoomMap& map = loaded.map;
   const auto device =
       std::make_unique<calib::Device>(to_runtime(read_device(options.device_file), options.device_file));
   const Shot shot = read_shot(options.shot_folder, *device);

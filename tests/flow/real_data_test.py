@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""The host program on data that nobody here made: photographs and rendered shots with truth.
+
+usage: real_data_test.py ROOMCAL DATA    (DATA: folder with photos/ and room-a/; absent: skipped, exit 77)
+
+Prints every figure beside its bar. Only the program's public door is used: command line in, JSON out.
+"""
+
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOMCAL = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else None
+DATA = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
+
+# device -> translation mm, rotation degree: the errors to truth that a shot may have
+SHOT_BARS = {"stereo": (0.15, 0.005), "robot": (0.15, 0.005), "backpack": (0.10, 0.003), "tls": (0.10, 0.003)}
+
+
+def roomcal(*arguments, expect=0):
+    done = subprocess.run([str(ROOMCAL), *map(str, arguments)], capture_output=True, text=True, check=False)
+    if expect is not None and done.returncode != expect:
+        raise AssertionError(f"roomcal {arguments}: exit {done.returncode}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def matmul(a, b):
+    return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+
+
+def inverse(T):
+    R = [[T[j][i] for j in range(3)] for i in range(3)]
+    t = [-sum(R[i][k] * T[k][3] for k in range(3)) for i in range(3)]
+    return [R[i] + [t[i]] for i in range(3)] + [[0, 0, 0, 1]]
+
+
+def errors(T_estimated, T_true):
+    """Distance in mm and angle in degree between two poses."""
+    D = matmul(inverse(T_estimated), T_true)
+    # From the antisymmetric part: the trace loses all digits at these angles.
+    sine = 0.5 * math.hypot(D[2][1] - D[1][2], D[0][2] - D[2][0], D[1][0] - D[0][1])
+    cosine = 0.5 * (D[0][0] + D[1][1] + D[2][2] - 1)
+    return 1e3 * math.hypot(*(D[i][3] for i in range(3))), math.degrees(math.atan2(sine, cosine))
+
+
+class Photographs(unittest.TestCase):
+    def markers(self, name):
+        with tempfile.TemporaryDirectory() as folder:
+            report = pathlib.Path(folder) / "r.json"
+            roomcal("detect", DATA / "photos" / name, "--json", report)
+            found = json.loads(report.read_text())["images"][0]["markers"]
+        usable = [m for m in found if m["status"] == "ok"]
+        print(f"{name}: {len(usable)} usable, {len(found)} in all: {sorted(m['status'] for m in found)}")
+        return usable, found
+
+    def test_attic_shows_five_of_which_one_is_cut(self):
+        usable, found = self.markers("cctag_sample_01.png")
+        self.assertEqual(len(usable), 4)
+        self.assertEqual([m["status"] for m in found if m["status"] == "cut_by_border"], ["cut_by_border"])
+
+    def test_sheets_in_the_sun_show_twentyfour(self):
+        usable, _ = self.markers("bench_24cc.jpg")
+        self.assertEqual(len(usable), 24)
+
+    def test_ceiling_shows_the_five_of_its_authors(self):
+        usable, _ = self.markers("bench_5cc.jpg")
+        self.assertGreaterEqual(len(usable), 5)
+
+    def test_room_without_markers_shows_none(self):
+        _, found = self.markers("bench_0cc-1.jpg")
+        self.assertEqual(found, [])
+
+
+class RenderedShots(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        roomcal("map", "import", DATA / "room-a/room/markers.csv", "-o", cls.folder / "room-a.room")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def shot(self, device):
+        source, config, report = DATA / "room-a" / device, self.folder / f"{device}.yaml", self.folder / f"{device}.json"
+        roomcal("import", "kalibr", source / "camchain.yaml", "--nominal", source / "nominal.json", "-o", config)
+        roomcal("calibrate", "--map", self.folder / "room-a.room", "--device", config, "--shot", source, "--json", report)
+        return json.loads(report.read_text()), json.loads((source / "truth.json").read_text())
+
+    def check_poses(self, device):
+        result, truth = self.shot(device)
+        self.assertEqual(result["verdict"], "PASS", result["reasons"])
+        T_room = {name: truth["T_room_sensor"][name]["T"] for name in truth["cameras"]}
+        T_rig_room = inverse(T_room[result["rig_frame"]])
+        for name in sorted(T_room):
+            self.assertTrue(result["sensors"][name]["located"])
+            mm, deg = errors(result["sensors"][name]["T_rig_sensor"], matmul(T_rig_room, T_room[name]))
+            print(f"{device} {name}: {mm:.3f} mm (bar {SHOT_BARS[device][0]}), {deg:.4f} deg (bar {SHOT_BARS[device][1]})")
+            self.assertLessEqual(mm, SHOT_BARS[device][0])
+            self.assertLessEqual(deg, SHOT_BARS[device][1])
+        print(f"{device}: arena peak {result['arena_peak_bytes'] / 2**20:.2f} MiB, {result['timing_ms']['total']:.0f} ms")
+
+    def check_detector(self, device):
+        truth = json.loads((DATA / "room-a" / device / "truth.json").read_text())
+        wanted = found = false_alarms = 0
+        for camera, seen in truth["cameras"].items():
+            report = self.folder / f"{device}_{camera}_rings.json"
+            roomcal("detect", DATA / "room-a" / device / f"{camera}.png", "--json", report)
+            usable = [m for m in json.loads(report.read_text())["images"][0]["markers"] if m["status"] == "ok"]
+
+            def near(marker, detections):
+                return any(math.dist(marker["uv"], (d["x"], d["y"])) < 3 for d in detections)
+
+            clear = [m for m in seen["markers"] if m["visible"] >= 0.999 and m["major_px"] >= 15 and m["slant_deg"] <= 65]
+            wanted += len(clear)
+            found += sum(near(m, usable) for m in clear)
+            false_alarms += sum(not any(math.dist(m["uv"], (d["x"], d["y"])) < 3 for m in seen["markers"]) for d in usable)
+        print(f"{device}: recall {found}/{wanted} = {found / wanted:.4f} (bar 0.98), {false_alarms} false alarms (bar 0)")
+        self.assertGreaterEqual(found / wanted, 0.98)
+        self.assertEqual(false_alarms, 0)
+
+
+for one in SHOT_BARS:
+    setattr(RenderedShots, f"test_{one}_meets_truth", lambda self, d=one: self.check_poses(d))
+    setattr(RenderedShots, f"test_{one}_rings_are_found", lambda self, d=one: self.check_detector(d))
+
+if __name__ == "__main__":
+    if DATA is None or not (DATA / "room-a").is_dir():
+        print(f"skipped: no measured data at {DATA}; set ROOMCAL_DATA to its folder")
+        sys.exit(77)
+    unittest.main(argv=[sys.argv[0]], verbosity=2)

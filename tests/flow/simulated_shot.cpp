@@ -1,0 +1,57 @@
+#include "tests/flow/simulated_shot.h"
+
+#include <utility>
+
+#include "tools/map/complete_map.h"
+#include "tools/simulate/make_room.h"
+#include "tools/simulate/shot.h"
+
+namespace roomcal::flow {
+
+namespace {
+
+tools::Scene make_scene(uint64_t room_seed) {
+  tools::RoomOptions options;
+  options.seed = room_seed;
+  return tools::make_room(options);
+}
+
+tools::LoadedMap map_of(const tools::Scene& scene) {
+  tools::MapData data;
+  data.id = "simulated";
+  data.provenance = "tests/flow";
+  for (const tools::SceneMarker& from : tools::markers_of(scene)) {
+    map::MapMarker marker;
+    marker.id = static_cast<uint32_t>(from.id);
+    marker.p_room = from.centre_room;
+    marker.normal_room = from.normal_room;
+    marker.radius_m = from.radius_m;
+    marker.has_normal = marker.has_radius = true;
+    data.markers.push_back(marker);
+  }
+  tools::complete_map(data);
+  tools::AlignedBytes bytes = tools::build_map(data);
+  const map::RoomMap view = map::RoomMap::open(bytes.span()).value();  // moving a vector keeps its bytes in place
+  return {std::move(bytes), view};
+}
+
+}  // namespace
+
+tools::LoadedMap simulated_map(uint64_t room_seed) { return map_of(make_scene(room_seed)); }
+
+SimulatedShot simulate_shot(const std::string& device, uint64_t room_seed, uint64_t shot_seed) {
+  const tools::Scene scene = make_scene(room_seed);
+  tools::ShotOptions options;
+  options.seed = shot_seed;
+  const tools::Stand stand = tools::place_device(scene, tools::device_named(device), options);
+  const tools::LitScene lit(scene);
+  SimulatedShot shot{map_of(scene), std::make_unique<calib::Device>(), {}, {}};
+  for (const tools::TrueCamera& camera : stand.cameras) {
+    static_cast<void>(shot.device->cameras.push_back({std::string_view(camera.name), camera.camera, {}}));
+    shot.images.push_back(tools::take_picture(lit, camera, options, 100 * shot_seed + shot.images.size()).image);
+    shot.T_room_cam_true.push_back(camera.T_room_cam);
+  }
+  return shot;
+}
+
+}  // namespace roomcal::flow

@@ -1,0 +1,105 @@
+#include "runtime/calib/quality_gate.h"
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace roomcal::calib {
+namespace {
+
+/// A shot of two cameras that every gate lets pass; each test spoils one thing.
+class QualityGate : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"cam0", "cam1"}) {
+      CameraSpec spec;
+      spec.name = name;
+      spec.nominal = {true, SE3{Mat33::Identity(), Vec3(0.1, 0, 0)}, deg_to_rad(1.0), 0.008};
+      ASSERT_TRUE(device_.cameras.push_back(spec));
+      CameraOutcome camera;
+      camera.name = name;
+      camera.has_image = camera.located = camera.in_rig = true;
+      camera.usable_detections = camera_inliers_.size();
+      camera.inliers = camera_inliers_;
+      camera.coverage = 0.8;
+      camera.T_rig_cam.t = Vec3(0.102, 0.001, -0.003);
+      camera.cov_rig_cam = Mat66::Identity() * 1e-10;
+      ASSERT_TRUE(outcome_.cameras.push_back(camera));
+    }
+    outcome_.solution.chi2 = 100;
+    outcome_.solution.degrees_of_freedom = 100;
+  }
+
+  CameraOutcome& cam1() { return outcome_.cameras[1]; }
+
+  /// The one reason, which must name the camera or the fit, and the verdict.
+  void expect(Verdict verdict, const std::string& words) {
+    judge(device_, Limits(), outcome_);
+    EXPECT_EQ(outcome_.verdict, verdict);
+    ASSERT_EQ(outcome_.reasons.size(), 1u);
+    const std::string reason(outcome_.reasons[0].view());
+    EXPECT_NE(reason.find(words), std::string::npos) << reason;
+  }
+
+  std::array<pose::Correspondence, 20> camera_inliers_{};
+  Device device_;
+  Outcome outcome_;
+};
+
+TEST_F(QualityGate, CleanShot_Passes) {
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kPass);
+  EXPECT_TRUE(outcome_.reasons.empty());
+}
+
+TEST_F(QualityGate, CameraNotLocated_FailsWithItsReason) {
+  cam1().located = cam1().in_rig = false;
+  cam1().failure = "cam1: no image: check its cable and driver";
+  expect(Verdict::kFailRetry, "cam1: no image");
+}
+
+TEST_F(QualityGate, ManyUnexplainedMarkers_FailForService) {
+  cam1().usable_detections = 40;
+  expect(Verdict::kFailService, "cam1: 50 % of its 40 markers");
+}
+
+TEST_F(QualityGate, FewInliers_Advise) {
+  cam1().inliers = cam1().inliers.first(7);
+  cam1().usable_detections = 7;
+  expect(Verdict::kPassAdvise, "cam1: only 7 markers");
+}
+
+TEST_F(QualityGate, CrowdedMarkers_Advise) {
+  cam1().coverage = 0.1;
+  expect(Verdict::kPassAdvise, "cam1: markers fill only 10 %");
+}
+
+TEST_F(QualityGate, LooseCovariance_FailsForRetry) {
+  cam1().cov_rig_cam(1, 1) = 1e-4;
+  expect(Verdict::kFailRetry, "cam1: 1-sigma of 10.00 mm");
+}
+
+TEST_F(QualityGate, FarFromNominal_FailsForService) {
+  cam1().T_rig_cam.t.y() = 0.05;
+  expect(Verdict::kFailService, "cam1: sits 50.");
+}
+
+TEST_F(QualityGate, PoorFit_AdvisesThenFails) {
+  outcome_.solution.chi2 = 500;
+  expect(Verdict::kPassAdvise, "joint fit");
+  outcome_.solution.chi2 = 5000;
+  expect(Verdict::kFailService, "joint fit");
+}
+
+TEST_F(QualityGate, WorstReason_DecidesTheVerdict) {
+  cam1().coverage = 0.1;
+  outcome_.cameras[0].usable_detections = 40;
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kFailService);
+  EXPECT_EQ(outcome_.reasons.size(), 2u);
+}
+
+}  // namespace
+}  // namespace roomcal::calib
