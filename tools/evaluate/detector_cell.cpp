@@ -60,6 +60,7 @@ cv::Mat noisy(const RadianceImage& grey, double noise_sigma, uint64_t seed) {
 struct Detected {
   std::vector<marker::Detection> ok;
   double time_ms = 0;
+  bool over_capacity = false;
 };
 
 Detected run_detector(const cv::Mat& image, std::size_t capacity, std::vector<std::byte>& scratch) {
@@ -73,7 +74,8 @@ Detected run_detector(const cv::Mat& image, std::size_t capacity, std::vector<st
   const auto start = std::chrono::steady_clock::now();
   const Status status = marker::detect(view, marker::DetectorOptions{}, arena, detected.ok, count);
   detected.time_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  require(status, "detector");
+  detected.over_capacity = status.code() == StatusCode::kCapacity;  // what it found is valid; the rest are misses
+  if (!detected.over_capacity) require(status, "detector");
   detected.ok.resize(count);
   std::erase_if(detected.ok, [](const auto& d) { return d.status != marker::DetectionStatus::kOk; });
   return detected;
@@ -154,6 +156,7 @@ CellResult pool(const std::vector<CellResult>& cells) {
     sum.sum_error_error_px2 += cell.sum_error_error_px2;
     sum.sum_nees += cell.sum_nees;
     sum.detect_ms += cell.detect_ms;
+    sum.over_capacity += cell.over_capacity;
     sum.megapixels += cell.megapixels;
   }
   return sum;
@@ -177,6 +180,7 @@ std::vector<CellResult> run_cells(const CellSpec& spec, const std::vector<double
           run_detector(noisy(grey, noises[i], seed + i + 1), 4 * field.markers().size() + 100, scratch);
       judge(detected.ok, field, result);
       result.detect_ms += detected.time_ms;
+      result.over_capacity += detected.over_capacity ? 1 : 0;
       result.megapixels += 1e-6 * width * height;
     }
     if (image == 0) set_bounds(field, results);

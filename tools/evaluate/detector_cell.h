@@ -21,7 +21,8 @@ struct CellResult {
   CellSpec spec;
   int truths = 0;
   int found = 0;
-  int false_alarms = 0;  ///< status ok and no marker there, or a second one at the same marker
+  int false_alarms = 0;   ///< status ok and no marker there, or a second one at the same marker
+  int over_capacity = 0;  ///< images in which the detector said that its tables were full
   Vec2 sum_error_px = Vec2::Zero();
   Mat22 sum_error_error_px2 = Mat22::Zero();
   double sum_nees = 0;        ///< of the reported covariances; 2 per marker is honest

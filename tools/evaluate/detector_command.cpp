@@ -43,6 +43,8 @@ void print_table(const DetectorSweep& sweep) {
         cell.rms_px(), cell.bound_rms_px(), cell.ratio(), cell.rms_px() / std::sqrt(cell.bound_full_px2),
         cell.nees_half(), ms_per_marker(cell, sweep.empty_ms_per_mp));
   }
+  const int over_capacity = pool(sweep.cells).over_capacity;
+  if (over_capacity > 0) fmt::print("\n{} images held more shapes than the detector's tables\n", over_capacity);
   fmt::print("\nempty image: {:.2f} ms per megapixel\n", sweep.empty_ms_per_mp);
 }
 
@@ -56,6 +58,7 @@ json to_json(const CellResult& cell, double empty_ms_per_mp) {
           {"found", cell.found},
           {"recall", cell.recall()},
           {"false_alarms", cell.false_alarms},
+          {"images_over_capacity", cell.over_capacity},
           {"mean_px", {cell.mean_error_px().x(), cell.mean_error_px().y()}},
           {"mean_sigma_px", cell.mean_error_sigma_px()},
           {"rms_px", cell.rms_px()},
