@@ -55,6 +55,12 @@ bool at_border(ImageView image, Pixel p) {
   return p.x == 0 || p.y == 0 || p.x == image.width() - 1 || p.y == image.height() - 1;
 }
 
+/// A marker lies in a corner at the most; what touches more sides is the background.
+int sides_touched(ImageView image, const Extent& e) {
+  return (e.x_min == 0 ? 1 : 0) + (e.y_min == 0 ? 1 : 0) + (e.x_max == image.width() - 1 ? 1 : 0) +
+         (e.y_max == image.height() - 1 ? 1 : 0);
+}
+
 struct Arc {
   std::size_t first = 0;
   std::size_t length = 0;
@@ -82,6 +88,7 @@ Arc longest_arc(ImageView image, const Outline& outline) {
 }  // namespace
 
 bool fit_cut_piece(ImageView image, const ThresholdMap& map, const CutPiece& piece, Blob& blob) {
+  if (sides_touched(image, piece.extent) > 2) return false;
   Outline outline;
   if (!trace(image, map, piece, outline)) return false;
   const Arc arc = longest_arc(image, outline);

@@ -28,6 +28,9 @@ constexpr double kResolvedPx = 1.5;
 constexpr double kSupport = 0.55;
 constexpr double kResolvedPart = 0.28;
 
+/// Rays begin here, in multiples of the blob: its own edge must be on them, its inside need not.
+constexpr double kNearest = 0.6;
+
 using RayMask = uint64_t;
 static_assert(kRays <= 64);
 
@@ -103,7 +106,8 @@ double reach(const Blob& blob) {
   return blob.dark_depth == 1 ? 4.2 : blob.dark_depth == 2 ? 2.6 : 1.9;
 }
 
-void sample(ImageView image, const Blob& blob, double range, int stride, Polar& polar) {
+/// Samples steps from `from` (in multiples of the blob) to `range`; nearer ones read as invisible.
+void sample(ImageView image, const Blob& blob, double from, double range, int stride, Polar& polar) {
   const double pixels = range * half_major(blob);
   polar.stride = stride;
   polar.steps = std::clamp(static_cast<int>(pixels / 0.6) + 1, 12, kMaxSteps);
@@ -111,14 +115,16 @@ void sample(ImageView image, const Blob& blob, double range, int stride, Polar& 
   polar.S = shape_root(blob);
   polar.centre_px = Vec2(blob.x, blob.y);
   polar.visible.fill(0);
+  const int first = std::min(static_cast<int>(from / polar.step), polar.steps - 1);
+  for (auto& ray : polar.value) std::fill_n(ray.begin(), first, -1.0F);
   const double x_limit = image.width() - 1.001;
   const double y_limit = image.height() - 1.001;
   for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(stride)) {
     const Vec2 direction = polar.S * directions().u[k];
     polar.length_px[k] = direction.norm();
     const Vec2 advance = polar.step * direction;
-    Vec2 p = polar.centre_px;
-    for (int i = 0; i < polar.steps; ++i, p += advance) {
+    Vec2 p = polar.centre_px + first * advance;
+    for (int i = first; i < polar.steps; ++i, p += advance) {
       const bool inside = p.x() >= 0 && p.y() >= 0 && p.x() < x_limit && p.y() < y_limit;
       const std::size_t at = static_cast<std::size_t>(i);
       polar.value[k][at] = inside ? bilinear(image, p.x(), p.y()) : -1.0F;
@@ -297,7 +303,7 @@ bool fit_edge(const Polar& polar, const Edge& edge, float least, Vec2& centre_px
 /// A light blob without a concentric dark one around it: is there a thin dark ring at all?
 bool first_look(ImageView image, const Blob& blob, const DetectorOptions& options) {
   Polar polar;
-  sample(image, blob, 2.0, kFirstLookStride, polar);
+  sample(image, blob, kNearest, 2.0, kFirstLookStride, polar);
   const float contrast = edge_contrast(polar);
   if (contrast < 0.3F * static_cast<float>(options.min_contrast)) return false;
   const Votes votes = vote(polar, std::max(2, static_cast<int>(0.7 / polar.step)), std::max(3.0F, 0.1F * contrast));
@@ -310,11 +316,12 @@ bool first_look(ImageView image, const Blob& blob, const DetectorOptions& option
 bool probe_rings(ImageView image, const Blob& blob, const DetectorOptions& options, Candidate& found) {
   if (blob.dark_depth == 0 && !first_look(image, blob, options)) return false;
   Polar polar;
-  sample(image, blob, reach(blob), 1, polar);
+  const bool alone = blob.dark && blob.inner < 0;  // its middle has to be looked at, too
+  sample(image, blob, alone ? 0.0 : kNearest, reach(blob), 1, polar);
   const float contrast = edge_contrast(polar);
   if (contrast < 0.3F * static_cast<float>(options.min_contrast)) return false;
-  const bool unresolved = blob.dark && blob.inner < 0 &&
-                          polar.visible[0] == polar.visible[static_cast<std::size_t>(std::lround(1.0 / polar.step))];
+  const bool whole = polar.visible[static_cast<std::size_t>(std::lround(1.0 / polar.step))] == polar.visible[0];
+  const bool unresolved = alone && whole;
   if (unresolved && !light_middle(polar, contrast)) return false;
 
   const float least = std::max(3.0F, 0.1F * contrast);

@@ -20,8 +20,10 @@ constexpr std::size_t kRays = 24;
 constexpr std::size_t kSteps = 2 * kReach;
 constexpr double kLargestPx = 26;  ///< the threshold resolves larger ones
 
-/// How far each pixel of a row rises above the brightest of eight on a circle around it, 0 if it does not.
-void rise_row(ImageView image, int y, std::span<uint8_t> rise) {
+/// How far each pixel of a row rises beyond `least` above the brightest of eight on a circle around it, 0 if it does
+/// not.
+void rise_row(ImageView image, int y, uint8_t least, std::span<uint8_t> rise) {
+  const uint8_t highest = static_cast<uint8_t>(255 - least);
   const std::ptrdiff_t stride = image.stride();
   const uint8_t* __restrict here = image.row(y);
   const uint8_t* __restrict up = here - kCircle * stride;
@@ -33,8 +35,8 @@ void rise_row(ImageView image, int y, std::span<uint8_t> rise) {
   for (int x = kCircle; x < end; ++x) {
     const uint8_t straight = std::max(std::max(up[x], down[x]), std::max(here[x - kCircle], here[x + kCircle]));
     const uint8_t diagonal = std::max(std::max(up2[x - 2], up2[x + 2]), std::max(down2[x - 2], down2[x + 2]));
-    const uint8_t brightest = std::max(straight, diagonal);
-    out[x] = static_cast<uint8_t>(std::max(here[x], brightest) - brightest);
+    const uint8_t limit = static_cast<uint8_t>(std::min(std::max(straight, diagonal), highest) + least);
+    out[x] = static_cast<uint8_t>(std::max(here[x], limit) - limit);
   }
 }
 
@@ -163,14 +165,14 @@ Status find_small_markers(ImageView image, const DetectorOptions& options, Arena
   if (rise.empty()) return out_of_arena("marker candidates: give the detector detector_scratch_bytes()");
   const uint8_t least = static_cast<uint8_t>(std::clamp(options.min_contrast / 2, kMinSpeckRise, 255));
   for (int y = kCircle; y < image.height() - kCircle; ++y) {
-    rise_row(image, y, rise);
+    rise_row(image, y, least, rise);
     for (int x = 0; x < image.width(); x += 8) {
       uint64_t eight = 0;
       std::memcpy(&eight, rise.data() + x, sizeof eight);
       if (eight == 0) continue;
       for (int i = x; i < std::min(x + 8, image.width()); ++i)
-        if (const int height = rise[static_cast<std::size_t>(i)]; height >= least)
-          look_at(image, i, y, height, options, list);
+        if (const int height = rise[static_cast<std::size_t>(i)]; height > 0)
+          look_at(image, i, y, height + least, options, list);
     }
   }
   return ok_status();
