@@ -20,7 +20,7 @@ struct Batch {
 
 std::vector<Batch> full_plan() {
   return {{{15, 20, 30, 40, 60, 100}, {0, 30, 45, 60, 70, 75}, {0, kStrongGradient}, {2, 5}},
-          {{200, 400, 900}, {0, 45, 70}, {0, kStrongGradient}, {2}, false, 12},
+          {{200, 400, 900}, {0, 45, 70}, {kStrongGradient}, {2}, false, 6},
           {{20, 40}, {0, 45, 60}, {kStrongGradient}, {2}, true}};
 }
 
