@@ -50,7 +50,7 @@ FieldOptions field_for(const CellSpec& spec, uint64_t seed) {
 }
 
 cv::Mat noisy(const RadianceImage& grey, double noise_sigma, uint64_t seed) {
-  Sensor sensor;
+  ImageSensor sensor;
   sensor.noise_sigma = noise_sigma;
   sensor.shot_share = 0;  // the bound is for equal noise everywhere
   sensor.seed = seed;

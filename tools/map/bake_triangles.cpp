@@ -9,25 +9,10 @@
 #include "runtime/math/so3.h"
 #include "runtime/pose/image_triangles.h"
 #include "tools/common/error.h"
+#include "tools/common/random.h"
 
 namespace roomcal::tools {
 namespace {
-
-/// splitmix64 [Steele, Lea, Flood 2014].
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  double uniform() {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-    return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1.0p-53;
-  }
-
- private:
-  uint64_t state_;
-};
 
 uint64_t key_of(map::MarkerTriple t) {
   // The smallest number first, the turning sense kept: the same triangle seen from its other side is another one.

@@ -23,8 +23,8 @@ std::vector<DeviceCamera> cameras(int count, const camera::Intrinsics& nominal) 
 constexpr auto kRadtan = camera::Model::kPinholeRadtan;
 constexpr auto kFisheye = camera::Model::kKannalaBrandt;
 
-std::vector<Device> make_devices() {
-  std::vector<Device> devices(4);
+std::vector<PaperDevice> make_devices() {
+  std::vector<PaperDevice> devices(4);
   devices[0] = {"stereo_rig",
                 cameras(2, lens(kRadtan, 1280, 1024, 1745, {-0.11, 0.12, 4e-4, -3e-4})),
                 {{"cam1", "cam0", {0, 0, 0}, {-0.12, 0, 0}}},
@@ -65,14 +65,14 @@ SE3 MountingEdge::T_to_from() const {
   return {R, t_m};
 }
 
-const std::vector<Device>& known_devices() {
-  static const std::vector<Device> devices = make_devices();
+const std::vector<PaperDevice>& known_devices() {
+  static const std::vector<PaperDevice> devices = make_devices();
   return devices;
 }
 
-const Device& device_named(const std::string& name) {
+const PaperDevice& device_named(const std::string& name) {
   std::vector<std::string> names;
-  for (const Device& device : known_devices()) {
+  for (const PaperDevice& device : known_devices()) {
     if (device.name == name) return device;
     names.push_back(device.name);
   }

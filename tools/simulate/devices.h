@@ -24,7 +24,7 @@ struct MountingEdge {
 };
 
 /// One of the paper's devices. The LiDARs are not simulated yet.
-struct Device {
+struct PaperDevice {
   std::string name;
   std::vector<DeviceCamera> cameras;  ///< the first is the reference
   std::vector<MountingEdge> edges;    ///< each camera but the first is the `to` of one edge, in order
@@ -34,9 +34,9 @@ struct Device {
 };
 
 /// stereo_rig, mobile_robot, backpack, tls; nominal extrinsics: Fang et al. 2021, tables II to V; lenses: typical.
-const std::vector<Device>& known_devices();
+const std::vector<PaperDevice>& known_devices();
 
 /// @throws ToolError that lists the names.
-const Device& device_named(const std::string& name);
+const PaperDevice& device_named(const std::string& name);
 
 }  // namespace roomcal::tools

@@ -7,7 +7,7 @@
 
 namespace roomcal::tools {
 
-RadianceImage expose(const RadianceImage& radiance, const Sensor& sensor) {
+RadianceImage expose(const RadianceImage& radiance, const ImageSensor& sensor) {
   RadianceImage grey = radiance;
   const double cx = (grey.width - 1) / 2.0, cy = (grey.height - 1) / 2.0;
   const double corner_px2 = cx * cx + cy * cy;
@@ -21,7 +21,7 @@ RadianceImage expose(const RadianceImage& radiance, const Sensor& sensor) {
   return grey;
 }
 
-cv::Mat digitize(const RadianceImage& grey, const Sensor& sensor) {
+cv::Mat digitize(const RadianceImage& grey, const ImageSensor& sensor) {
   cv::Mat image(grey.height, grey.width, CV_8UC1);
   const double mid_variance = sensor.noise_sigma * sensor.noise_sigma;
   parallel_for(grey.height, [&](int y) {

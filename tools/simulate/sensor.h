@@ -10,7 +10,7 @@
 namespace roomcal::tools {
 
 /// From radiance to grey levels.
-struct Sensor {
+struct ImageSensor {
   double grey_per_radiance = 200;
   double noise_sigma = 2;   ///< grey levels at mid grey (128)
   double shot_share = 0.6;  ///< of the noise variance at mid grey that grows with the signal; the rest is read noise
@@ -20,9 +20,9 @@ struct Sensor {
 };
 
 /// Noise-free grey levels, neither clipped nor rounded.
-RadianceImage expose(const RadianceImage& radiance, const Sensor& sensor);
+RadianceImage expose(const RadianceImage& radiance, const ImageSensor& sensor);
 
 /// Adds the noise, rounds, clips to 0..255.
-cv::Mat digitize(const RadianceImage& grey, const Sensor& sensor);
+cv::Mat digitize(const RadianceImage& grey, const ImageSensor& sensor);
 
 }  // namespace roomcal::tools

@@ -46,7 +46,7 @@ bool stands_free(const Scene& scene, const Vec3& place) {
 }
 
 /// In the middle part of the room; a narrow camera near one of its ends, looking across.
-SE3 draw_place(const Scene& scene, const Device& device, Random& random) {
+SE3 draw_place(const Scene& scene, const PaperDevice& device, Random& random) {
   constexpr int kTries = 1000;
   for (int attempt = 0; attempt < kTries; ++attempt) {
     const Vec2 share = device.looks_across ? Vec2(random.uniform(0.12, 0.3), random.uniform(0.12, 0.3))
@@ -67,7 +67,7 @@ SE3 draw_place(const Scene& scene, const Device& device, Random& random) {
 
 }  // namespace
 
-Stand place_device(const Scene& scene, const Device& device, const ShotOptions& options) {
+Stand place_device(const Scene& scene, const PaperDevice& device, const ShotOptions& options) {
   Random random = random_stream(options.seed, 1);
   Stand stand{&device, {}, {}};
   for (const DeviceCamera& camera : device.cameras) {

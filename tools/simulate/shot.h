@@ -35,18 +35,18 @@ struct Perturbation {
 
 /// A device standing in a room.
 struct Stand {
-  const Device* device = nullptr;
+  const PaperDevice* device = nullptr;
   std::vector<TrueCamera> cameras;
   std::vector<Perturbation> perturbations;  ///< one per edge of the device
 };
 
 /// Draws the device's true lenses, mounting and place. The same seed gives the same stand.
-Stand place_device(const Scene& scene, const Device& device, const ShotOptions& options);
+Stand place_device(const Scene& scene, const PaperDevice& device, const ShotOptions& options);
 
 /// One picture and what it should say.
 struct Picture {
   cv::Mat image;  ///< 8 bit, grey
-  Sensor sensor;
+  ImageSensor sensor;
   std::vector<MarkerTruth> markers;
 };
 

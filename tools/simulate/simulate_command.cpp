@@ -68,7 +68,7 @@ struct ShotArguments {
 };
 
 void simulate_shot(const ShotArguments& arguments) {
-  const Device& device = device_named(arguments.device);
+  const PaperDevice& device = device_named(arguments.device);
   const Scene scene = read_room(arguments.room);
   const Stand stand = place_device(scene, device, arguments.options);
   const LitScene lit(scene);

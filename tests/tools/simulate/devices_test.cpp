@@ -10,7 +10,7 @@ namespace {
 
 TEST(Devices, EveryCamera_IsMountedAndHasALens) {
   ASSERT_EQ(known_devices().size(), 4u);
-  for (const Device& device : known_devices()) {
+  for (const PaperDevice& device : known_devices()) {
     ASSERT_EQ(device.edges.size() + 1, device.cameras.size());
     for (std::size_t i = 0; i < device.edges.size(); ++i) EXPECT_EQ(device.edges[i].to, device.cameras[i + 1].name);
     for (const DeviceCamera& camera : device.cameras) EXPECT_TRUE(camera::Camera::create(camera.nominal).ok());

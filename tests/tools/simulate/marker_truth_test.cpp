@@ -28,7 +28,7 @@ Vec2 textbook_projection(const camera::Intrinsics& k, const Vec3& p) {
 TEST(MarkerTruth, Centres_AgreeWithTheTextbook) {
   const Scene scene = make_room({.seed = 2, .pillar = true});
   const auto markers = markers_of(scene);
-  for (const Device& device : known_devices()) {
+  for (const PaperDevice& device : known_devices()) {
     const Stand stand = place_device(scene, device, {.seed = 4});
     int seen = 0;
     for (const TrueCamera& camera : stand.cameras) {

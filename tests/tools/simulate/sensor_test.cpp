@@ -9,8 +9,8 @@ namespace {
 
 RadianceImage even(float value) { return {200, 200, std::vector<float>(200 * 200, value)}; }
 
-TEST(Sensor, Noise_HasTheAskedSigmaAtMidGrey) {
-  const Sensor sensor{.noise_sigma = 3, .seed = 5};
+TEST(ImageSensor, Noise_HasTheAskedSigmaAtMidGrey) {
+  const ImageSensor sensor{.noise_sigma = 3, .seed = 5};
   const cv::Mat image = digitize(even(128.3F), sensor);
   double sum = 0, squares = 0;
   for (int y = 0; y < 200; ++y) {
@@ -24,22 +24,22 @@ TEST(Sensor, Noise_HasTheAskedSigmaAtMidGrey) {
   EXPECT_NEAR(std::sqrt(squares / 40000), std::sqrt(9 + 1.0 / 12), 0.05);
 }
 
-TEST(Sensor, NoNoise_Rounds) {
-  const Sensor sensor{.noise_sigma = 0};
+TEST(ImageSensor, NoNoise_Rounds) {
+  const ImageSensor sensor{.noise_sigma = 0};
   EXPECT_EQ(digitize(even(99.6F), sensor).at<uint8_t>(3, 4), 100);
   EXPECT_EQ(digitize(even(300), sensor).at<uint8_t>(3, 4), 255);
   EXPECT_EQ(digitize(even(-5), sensor).at<uint8_t>(3, 4), 0);
 }
 
-TEST(Sensor, Vignetting_DarkensTheCorner) {
-  const Sensor sensor{.grey_per_radiance = 100, .black_level = 0, .vignetting = 0.2};
+TEST(ImageSensor, Vignetting_DarkensTheCorner) {
+  const ImageSensor sensor{.grey_per_radiance = 100, .black_level = 0, .vignetting = 0.2};
   const RadianceImage grey = expose(even(1), sensor);
   EXPECT_NEAR(grey.at(0, 0), 80, 1e-3);
   EXPECT_NEAR(grey.at(100, 100), 100, 0.01);
 }
 
-TEST(Sensor, SameSeed_SameNoise) {
-  const Sensor a{.seed = 1}, b{.seed = 2};
+TEST(ImageSensor, SameSeed_SameNoise) {
+  const ImageSensor a{.seed = 1}, b{.seed = 2};
   EXPECT_EQ(cv::norm(digitize(even(99), a), digitize(even(99), a), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(digitize(even(99), a), digitize(even(99), b), cv::NORM_INF), 0);
 }

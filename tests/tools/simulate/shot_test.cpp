@@ -14,7 +14,7 @@ namespace {
 
 TEST(PlaceDevice, Extrinsics_FollowTheRuleOfTheTruthFile) {
   const Scene scene = make_room({.seed = 2});
-  const Device& device = device_named("backpack");
+  const PaperDevice& device = device_named("backpack");
   const Stand stand = place_device(scene, device, {.seed = 11});
   for (std::size_t i = 0; i < device.edges.size(); ++i) {
     const SE3 T_to_from = stand.cameras[i + 1].T_room_cam.inverse() * stand.cameras[0].T_room_cam;
@@ -51,7 +51,7 @@ class ShotFiles : public testing::Test {
 
 TEST_F(ShotFiles, SmallDevice_WritesAllAndTruthFits) {
   const Scene scene = make_room({.seed = 2, .markers = 120});
-  Device device = device_named("mobile_robot");
+  PaperDevice device = device_named("mobile_robot");
   for (DeviceCamera& camera : device.cameras) {  // a quarter of the size is enough to see the files
     camera.nominal.width_px = 320;
     camera.nominal.height_px = 180;
