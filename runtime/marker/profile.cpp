@@ -187,7 +187,7 @@ double find_next_outer(const PolarGrid& grid, const NormalizedRays& rays, const 
 
 }  // namespace
 
-void sample_polar(ImageView image, const Ellipse& ellipse, PolarGrid& grid) {
+void sample_polar(ImageView image, const Ellipse& ellipse, double from, double to, PolarGrid& grid) {
   const double cosine = std::cos(ellipse.angle_rad), sine = std::sin(ellipse.angle_rad);
   grid.centre_px = ellipse.centre_px;
   grid.A.col(0) = Vec2{cosine, sine} * (ellipse.major_px / 2);
@@ -197,12 +197,14 @@ void sample_polar(ImageView image, const Ellipse& ellipse, PolarGrid& grid) {
   grid.samples = std::clamp(static_cast<int>(wanted), 42, kMaxSamples);
   grid.spacing = PolarGrid::kReach / grid.samples;
   const float right = static_cast<float>(image.width() - 1), bottom = static_cast<float>(image.height() - 1);
+  const int first = std::max(0, static_cast<int>(grid.sample(from)));
+  const int last = std::min(grid.samples - 1, static_cast<int>(std::ceil(grid.sample(to))));
   for (int ray = 0; ray < kRays; ++ray) {
     const Vec2 step = grid.A * Vec2{std::cos(ray_angle(ray)), std::sin(ray_angle(ray))} * grid.spacing;
     const Vec2 start = grid.centre_px + 0.5 * step;
     const float x0 = static_cast<float>(start.x()), y0 = static_cast<float>(start.y());
     const float step_x = static_cast<float>(step.x()), step_y = static_cast<float>(step.y());
-    for (int j = 0; j < grid.samples; ++j) {
+    for (int j = first; j <= last; ++j) {
       const float x = x0 + static_cast<float>(j) * step_x, y = y0 + static_cast<float>(j) * step_y;
       float& level = grid.level[at(ray)][at(j)];
       level = -1;

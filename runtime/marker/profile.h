@@ -23,8 +23,9 @@ struct PolarGrid {
   double sample(double rho) const { return rho / spacing - 0.5; }
 };
 
-/// Samples the image bilinearly around an ellipse. Cost: about 12 us.
-void sample_polar(ImageView image, const Ellipse& ellipse, PolarGrid& grid);
+/// Samples the image bilinearly around an ellipse, for rho in [from, to]; the rest of the grid is left as it was.
+/// Cost: about 5 ns a sample, 25 us for all of a 60 px marker.
+void sample_polar(ImageView image, const Ellipse& ellipse, double from, double to, PolarGrid& grid);
 
 /// Moves an ellipse onto the dark-to-light edge nearest to it (robust conic fit to one edge point a ray).
 /// @param window  largest relative distance of an edge, 0.1..0.25.

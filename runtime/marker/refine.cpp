@@ -27,11 +27,12 @@ struct Start {
 Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
   double support = 0;
   for (const double window : {0.2, 0.12}) {
-    sample_polar(image, ellipse, grid);
+    // find_edge() looks a difference's reach beyond its window: 0.2 covers both at every size.
+    sample_polar(image, ellipse, 1 - window - 0.2, 1 + window + 0.2, grid);
     ROOMCAL_TRY(snap_to_outer_edge(grid, window, ellipse, support));
   }
   if (support < 0.5) return refuse("no closed dark-to-light edge");
-  sample_polar(image, ellipse, grid);
+  sample_polar(image, ellipse, 0, PolarGrid::kReach, grid);
   return ok_status();
 }
 
@@ -97,6 +98,13 @@ double robust_sigma(std::span<float> magnitudes) {
   return std::max(1.4826 * static_cast<double>(*middle), 0.4);
 }
 
+// Moves every fourth value to the front: a median needs no more.
+std::span<float> every_fourth(std::span<float> values) {
+  const std::size_t count = (values.size() + 3) / 4;
+  for (std::size_t i = 0; i < count; ++i) values[i] = values[4 * i];
+  return values.first(count);
+}
+
 // Coarse to fine: a thinned set at a scale that forgives the start, again at the noise's scale, then undamped steps on
 // all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
 Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
@@ -111,13 +119,13 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));
 
   fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, 8, fit.model);
-  evaluate(fit.model, few, {}, few_magnitudes, nullptr, fit.evaluation);
+  measure_residuals(fit.model, few, few_magnitudes);
   fit.noise_grey = robust_sigma(few_magnitudes);
   fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, 5, fit.model);
   for (int step = 0; step < 4; ++step) {
     fit.tally = {};
     evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);
-    fit.noise_grey = robust_sigma(magnitudes);
+    fit.noise_grey = robust_sigma(every_fourth(magnitudes));
     add_priors(fit.model, fit.noise_grey, fit.evaluation.equations);
     fit.last_step_px = newton_step(fit.evaluation.equations, fit.model);
     if (fit.last_step_px < 0.02 * fit.model.blur_px()) break;

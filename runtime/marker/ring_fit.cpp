@@ -129,9 +129,19 @@ void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWe
   }
 }
 
+void measure_residuals(const RingModel& model, const RingPixels& pixels, std::span<float> absolute_residual) {
+  RingBlock block;
+  for (int first = 0; first < pixels.count; first += kBlockPixels) {
+    evaluate_block(model, pixels, first, {}, block);
+    const int valid = std::min(kBlockPixels, pixels.count - first);
+    for (int i = 0; i < valid; ++i) absolute_residual[at(first + i)] = std::fabs(block.residual[i]);
+  }
+}
+
 int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
               RingModel& model) {
-  constexpr double kDonePx = 0.004;
+  // The steps on all pixels do the rest; what still moves at an even cost is blur against ink, not the centre.
+  constexpr double kDonePx = 0.015, kDoneCost = 0.98;
   RingEvaluation now, next;
   evaluate(model, pixels, weighting, {}, nullptr, now);
   add_priors(model, noise_grey, now.equations);
@@ -154,11 +164,12 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
       damping *= 10;
       continue;
     }
+    const bool settled = next.equations.cost > kDoneCost * now.equations.cost;
     model = trial;
     now = next;
     damping *= 0.1;
     ++accepted;
-    if (movement_px(model, step) < kDonePx) break;
+    if (settled || movement_px(model, step) < kDonePx) break;
   }
   return accepted;
 }
@@ -174,12 +185,12 @@ double newton_step(const NormalEquations& equations, RingModel& model) {
   return std::hypot(step[kCentreX], step[kCentreY]) * model.scale_px;
 }
 
-bool invert_equations(const NormalEquations& equations, int parameters, Matrix& inverse) {
+bool invert_equations(const NormalEquations& equations, int parameters, int columns, Matrix& inverse) {
   Matrix A;
   Vector scale{};
   scaled_hessian(equations, parameters, 0, A, scale);
   if (!factorize(A, parameters)) return false;
-  for (int column = 0; column < parameters; ++column) {
+  for (int column = 0; column < columns; ++column) {
     Vector unit{};
     unit[at(column)] = scale[at(column)];
     substitute(A, parameters, unit);

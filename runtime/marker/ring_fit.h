@@ -22,6 +22,9 @@ struct RingEvaluation {
 void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
               std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation);
 
+/// Magnitudes of the residuals alone, grey levels. @param absolute_residual  count entries.
+void measure_residuals(const RingModel& model, const RingPixels& pixels, std::span<float> absolute_residual);
+
 /// Adds what is known of every marker beforehand, as observations of noise `noise_grey`.
 void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations);
 
@@ -34,8 +37,9 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
 double newton_step(const NormalEquations& equations, RingModel& model);
 
 /// Inverse of the normal equations: covariance per unit of noise variance (grey^2), in model units.
-/// @return false if singular. Rows of unknowns without information (a ring out of sight) are zero.
-bool invert_equations(const NormalEquations& equations, int parameters,
+/// @param columns  how many are wanted, from the first. @return false if singular. Rows of unknowns without information
+/// (a ring out of sight) are zero.
+bool invert_equations(const NormalEquations& equations, int parameters, int columns,
                       std::array<std::array<double, kMaxParameters>, kMaxParameters>& inverse);
 
 }  // namespace roomcal::marker
