@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/math/types.h"
+
 namespace roomcal::marker {
 namespace {
 
@@ -78,9 +80,12 @@ bool concentric(const Blob& outer, const Blob& inner) {
          std::abs(inner.sxy / inner_size - outer.sxy / outer_size) < slack;
 }
 
-bool worth_keeping_alone(const Blob& blob) {
-  if (!blob.dark) return true;  // may still get its dark ring
-  return half_major(blob) >= 5 && half_major(blob) <= kMaxUnresolvedHalfPx;
+bool worth_keeping_alone(const Blob& blob, int area_px) {
+  // A dark ring with a gap counts as alone, too: the light inside is then no region of its own, and the area is thin.
+  if (blob.dark) return half_major(blob) >= 5 && half_major(blob) <= kMaxUnresolvedHalfPx;
+  // A light disc may still get its dark ring; specks of some pixels have no shape to judge by.
+  if (half_minor(blob) < 2.5) return true;
+  return area_px >= 0.75 * kPi * std::sqrt(std::max(blob.sxx * blob.syy - square(blob.sxy), 0.0));
 }
 
 double half_major(const Blob& blob) {

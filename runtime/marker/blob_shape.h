@@ -19,7 +19,8 @@ bool fit_blob(const Extent& extent, Blob& blob);
 bool concentric(const Blob& outer, const Blob& inner);
 
 /// A blob with nothing concentric inside: the light disc in a marker's middle, or a marker too small to show it.
-bool worth_keeping_alone(const Blob& blob);
+/// @param area_px  of the region: light noise fills half of its outline, a disc all of it.
+bool worth_keeping_alone(const Blob& blob, int area_px);
 
 /// Half axes of the blob, px.
 double half_major(const Blob& blob);

@@ -96,10 +96,12 @@ void probe_cut_pieces(ImageView full, const DetectorOptions& options, const Pass
   }
 }
 
-Status run_pass(ImageView full, const DetectorOptions& options, const Pass& pass, Arena& arena, CandidateList& list) {
+Status run_pass(ImageView full, const DetectorOptions& options, const Pass& pass, Arena& arena, CandidateList& list,
+                int& quiet_contrast) {
   const Arena::Scope scope(arena);
   ThresholdMap thresholds;
   ROOMCAL_TRY(compute_thresholds(pass.image, options.min_contrast, pass.split, arena, thresholds));
+  quiet_contrast = thresholds.quiet_contrast;
   ComponentTable table;
   ROOMCAL_TRY(find_components(pass.image, thresholds, arena, table));
   list.components += table.dark_components;
@@ -143,13 +145,16 @@ Status find_candidates(ImageView image, const DetectorOptions& options, Arena& a
   list.items = arena.allocate_uninitialized<Candidate>(candidate_capacity(image.width(), image.height()));
   if (list.items.empty()) return out_of_arena("marker candidates: give the detector detector_scratch_bytes()");
   const Arena::Scope scope(arena);
-  ROOMCAL_TRY(run_pass(image, options, {image, Split::kMiddle, 1.0, 0.0}, arena, list));
+  int quiet_contrast = 0;
+  ROOMCAL_TRY(run_pass(image, options, {image, Split::kMiddle, 1.0, 0.0}, arena, list, quiet_contrast));
   if (image.width() >= kHalvedPassPx && image.height() >= kHalvedPassPx) {
     MutableImageView half;
+    int quiet_of_half = 0;
     ROOMCAL_TRY(halve_image(image, arena, half));
-    ROOMCAL_TRY(run_pass(image, options, {half, Split::kGeometric, 2.0, 0.5}, arena, list));
+    ROOMCAL_TRY(run_pass(image, options, {half, Split::kGeometric, 2.0, 0.5}, arena, list, quiet_of_half));
   }
-  return find_small_markers(image, options, arena, list);
+  // Half of what noise spans over 12 x 12 px is about two and a half sigma, above eight neighbours at that.
+  return find_small_markers(image, options, std::max(options.min_contrast, quiet_contrast) / 2, arena, list);
 }
 
 }  // namespace roomcal::marker

@@ -195,6 +195,7 @@ void Labeller::link_run(int i, int first_above, int y) {
   e.diff_min = std::min(e.diff_min, run.x0 - y);
   e.diff_max = std::max(e.diff_max, run.x1 - y);
   e.y_max = y;
+  e.area += run.x1 - run.x0 + 1;
   region.last_row = y;
 }
 
@@ -202,7 +203,7 @@ int Labeller::open_region(int i, int y) {
   const Run& run = here_.runs[i];
   const int slot = free_[static_cast<std::size_t>(--free_count_)];
   Region& region = regions_[static_cast<std::size_t>(slot)];
-  region.extent = {run.x0, run.x1, y, y, run.x0 + y, run.x1 + y, run.x0 - y, run.x1 - y};
+  region.extent = {run.x0, run.x1, y, y, run.x0 + y, run.x1 + y, run.x0 - y, run.x1 - y, 0};
   region.alias_of = kNone;
   region.last_row = y;
   region.serial = next_serial_++;
@@ -241,6 +242,7 @@ int Labeller::unite(int a, int b) {
   e.sum_max = std::max(e.sum_max, f.sum_max);
   e.diff_min = std::min(e.diff_min, f.diff_min);
   e.diff_max = std::max(e.diff_max, f.diff_max);
+  e.area += f.area;
   keep->last_row = std::max(keep->last_row, drop->last_row);
   for (int i = 0; i < drop->inner_count; ++i) add_inner(*keep, drop->inner[static_cast<std::size_t>(i)]);
   drop->alias_of = a;
@@ -255,6 +257,7 @@ void Labeller::finish_row(int y) {
       Run& run = here_.runs[i];
       run.label = find(run.label);
       Region& region = regions_[static_cast<std::size_t>(run.label)];
+      if (region.surround == kNone || regions_[static_cast<std::size_t>(region.surround)].alias_of < 0) continue;
       Region* outer = surrounding(region);
       region.surround = outer == nullptr ? kNone : static_cast<int>(outer - regions_.data());
       region.surround_serial = outer == nullptr ? 0 : outer->serial;
@@ -313,7 +316,7 @@ void Labeller::close_blob(Region& region, Blob blob) {
     largest = inner.sxx + inner.syy;
     blob.inner = index;
   }
-  if (blob.inner < 0 && !worth_keeping_alone(blob)) return;
+  if (blob.inner < 0 && !worth_keeping_alone(blob, region.extent.area)) return;
   if (table_.blob_count == table_.blobs.size()) {
     ++table_.dropped;
     return;

@@ -19,6 +19,7 @@ struct Extent {
   int y_min = 0, y_max = 0;
   int sum_min = 0, sum_max = 0;    ///< of x + y
   int diff_min = 0, diff_max = 0;  ///< of x - y
+  int area = 0;                    ///< pixels of the region itself, without what it surrounds
 
   int width() const { return x_max - x_min + 1; }
   int height() const { return y_max - y_min + 1; }

@@ -159,11 +159,12 @@ void look_at(ImageView image, int x, int y, int rise, const DetectorOptions& opt
 
 std::size_t small_markers_bytes(int width_px) { return (static_cast<std::size_t>(width_px) + 7) / 8 * 8; }
 
-Status find_small_markers(ImageView image, const DetectorOptions& options, Arena& arena, CandidateList& list) {
+Status find_small_markers(ImageView image, const DetectorOptions& options, int min_rise, Arena& arena,
+                          CandidateList& list) {
   const Arena::Scope scope(arena);
   const std::span<uint8_t> rise = arena.allocate<uint8_t>(small_markers_bytes(image.width()));
   if (rise.empty()) return out_of_arena("marker candidates: give the detector detector_scratch_bytes()");
-  const uint8_t least = static_cast<uint8_t>(std::clamp(options.min_contrast / 2, kMinSpeckRise, 255));
+  const uint8_t least = static_cast<uint8_t>(std::clamp(min_rise, kMinSpeckRise, 255));
   for (int y = kCircle; y < image.height() - kCircle; ++y) {
     rise_row(image, y, least, rise);
     for (int x = 0; x < image.width(); x += 8) {

@@ -19,9 +19,10 @@ std::size_t small_markers_bytes(int width_px);
 /// little lighter than the wall. The speck is found as a pixel above a circle of eight around it; the rim by the
 /// steepest rise along rays, which an ellipse must explain.
 ///
-/// @param min_rise  grey levels that speck and rim must rise above the grey between them.
+/// @param min_rise  grey levels that the speck rises above the grey around it; more than noise does.
 /// @return kOk; kOutOfMemory.
 /// Cost: 0.1 ms per megapixel and 2 us per speck.
-Status find_small_markers(ImageView image, const DetectorOptions& options, Arena& arena, CandidateList& list);
+Status find_small_markers(ImageView image, const DetectorOptions& options, int min_rise, Arena& arena,
+                          CandidateList& list);
 
 }  // namespace roomcal::marker

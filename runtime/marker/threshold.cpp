@@ -109,7 +109,7 @@ int quiet_contrast(const std::array<int, 256>& histogram, int part) {
   return static_cast<int>(level);
 }
 
-GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_contrast) {
+GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_contrast, int& quiet) {
   ContrastHistogram histogram{};
   for (int y = 0; y < tiles.low.height(); y += 2) {
     neighbourhood(tiles.low, y, rows.line, rows.low, kMin);
@@ -120,7 +120,8 @@ GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_con
   std::array<int, 256> all{};
   for (const auto& band : histogram)
     for (std::size_t level = 0; level < all.size(); ++level) all[level] += band[level];
-  const int most = std::max(kMaxNoiseGate, quiet_contrast(all, 10) * 5 / 4);
+  quiet = quiet_contrast(all, 10);
+  const int most = std::max(kMaxNoiseGate, quiet * 5 / 4);
   GateTable gates;
   for (std::size_t band = 0; band < kBands; ++band) {
     // 1.25: the widest of the quiet neighbourhoods is about that much above their lower quartile (Gaussian noise).
@@ -194,7 +195,7 @@ Status compute_thresholds(ImageView image, int min_contrast, Split split, Arena&
     coarsen(tiles[level - 1].low, tiles[level].low, kMin);
     coarsen(tiles[level - 1].high, tiles[level].high, kMax);
   }
-  const GateTable gates = noise_gates(tiles[0], rows, min_contrast);
+  const GateTable gates = noise_gates(tiles[0], rows, min_contrast, map.quiet_contrast);
   for (std::size_t level = kLevels; level-- > 0;) {
     const Span2D<uint8_t>* coarser = level + 1 < kLevels ? &thresholds[level + 1] : nullptr;
     fill_level(tiles[level], coarser, gates, split, rows, thresholds[level]);

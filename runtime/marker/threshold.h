@@ -15,7 +15,8 @@ inline constexpr int kTilePx = 4;
 
 /// One threshold per tile: a pixel is dark where it is below. 0 means the whole tile is light.
 struct ThresholdMap {
-  Span2D<uint8_t> tiles;  ///< ceil(width / kTilePx) x ceil(height / kTilePx)
+  Span2D<uint8_t> tiles;   ///< ceil(width / kTilePx) x ceil(height / kTilePx)
+  int quiet_contrast = 0;  ///< grey levels between darkest and lightest of 12 x 12 px where nothing is: noise
 
   /// Dark or light, at a pixel inside the image.
   bool dark(ImageView image, int x, int y) const { return image(x, y) < tiles(x / kTilePx, y / kTilePx); }
