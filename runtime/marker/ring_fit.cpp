@@ -141,7 +141,7 @@ void measure_residuals(const RingModel& model, const RingPixels& pixels, std::sp
 int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
               RingModel& model) {
   // The steps on all pixels do the rest; what still moves at an even cost is blur against ink, not the centre.
-  constexpr double kDonePx = 0.015, kDoneCost = 0.98;
+  constexpr double kDonePx = 0.015, kDoneCost = 0.995;
   RingEvaluation now, next;
   evaluate(model, pixels, weighting, {}, nullptr, now);
   add_priors(model, noise_grey, now.equations);

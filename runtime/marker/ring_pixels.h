@@ -5,16 +5,16 @@
 
 namespace roomcal::marker {
 
-inline constexpr int kMaxRingPixels = 6144;
+inline constexpr int kMaxRingPixels = 8192;
 
 /// The pixels that know something about a marker: all near the edges of its rings, a quarter of the flat ones, thinned
 /// at random (fixed hash) to kMaxRingPixels, sorted by radius.
 ///
 /// @param model    good to about a ring's width; its line at infinity is ignored.
 /// @param reach    largest radius taken, 1.1..1.2: the sheet ends at about 1.2, anything can lie beyond.
-/// @param arena    keeps the pixels (74 KiB); 170 KiB more are used and given back.
+/// @param arena    keeps the pixels (96 KiB); 144 KiB more are used and given back.
 /// @return kTooFew under 40 pixels; kOutOfMemory.
-/// Cost: 3 ns for each pixel up to 20000, then constant.
+/// Cost: 3 ns for each pixel up to 24000, then constant.
 Status gather_ring_pixels(ImageView image, const RingModel& model, double reach, Arena& arena, RingPixels& pixels);
 
 /// Every n-th pixel, about `target` of them, still sorted by radius. Status as above.

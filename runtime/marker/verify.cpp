@@ -12,8 +12,9 @@ using Covariance = std::array<std::array<double, kMaxParameters>, kMaxParameters
 constexpr double kMaxResidual = 0.13;
 // A ring's width must stand out of its own uncertainty by this factor.
 constexpr double kRingSignificance = 8;
-constexpr double kMinRingWidth = 0.03;  // of the outer radius; CCTag's thinnest is 0.1
-constexpr double kMinInnermost = 0.08;  // light disc in the middle: refuses bull's eyes with a dark one
+constexpr double kMinRingWidth = 0.03;     // of the outer radius; CCTag's thinnest is 0.1
+constexpr double kMinWidthOverBlur = 0.6;  // thinner rings leave a swing of a few per cent, which anything may have
+constexpr double kMinInnermost = 0.08;     // light disc in the middle: refuses bull's eyes with a dark one
 constexpr double kMaxCentreSigma_px = 0.15;
 // What a Gaussian blur leaves of a real one: found by rendering with a blur sampled at whole pixels.
 constexpr double kModelSigma_px = 0.0015;
@@ -40,7 +41,7 @@ double width_variance(const Covariance& inverse, int edge, int edges) {
 
 // Blur and ink are held: in a small marker they trade against all widths at once, which says nothing about whether
 // the rings exist.
-bool rings_are_significant(const FittedRings& fit) {
+bool rings_are_significant(const FittedRings& fit, double major_px) {
   const RingModel& model = fit.model;
   NormalEquations held = fit.evaluation.equations;
   for (const int i : {kInk, kBlur}) held.sum[at(i)][at(i)] *= 1e6;
@@ -51,6 +52,7 @@ bool rings_are_significant(const FittedRings& fit) {
     const double width = model.radius(edge) - inner;
     const double variance = width_variance(inverse, edge, model.edges()) * fit.noise_grey * fit.noise_grey;
     if (!(variance > 0) || width < kMinRingWidth || width < kRingSignificance * std::sqrt(variance)) return false;
+    if (width * major_px / 2 < kMinWidthOverBlur * model.blur_px()) return false;
   }
   return model.radius(model.edges() - 1) > kMinInnermost;
 }
@@ -114,7 +116,7 @@ Status verify_rings(const FittedRings& fit, double outside_share, const Detector
   if (sectors.good < 0.6) return refuse("too few sectors show the rings");
   Covariance inverse;
   if (!invert_equations(fit.evaluation.equations, model.parameters(), 2, inverse)) return refuse("undetermined");
-  if (!rings_are_significant(fit)) return refuse("rings not significant");
+  if (!rings_are_significant(fit, found.ellipse.major_px)) return refuse("rings not significant");
 
   found.centre_px = model.centre_px();
   found.rings = model.rings;
