@@ -11,6 +11,7 @@
 #include "tools/common/error.h"
 #include "tools/common/files.h"
 #include "tools/common/yaml.h"
+#include "tools/map/compare_command.h"
 #include "tools/map/complete_map.h"
 #include "tools/map/map_builder.h"
 #include "tools/map/map_import.h"
@@ -139,11 +140,11 @@ void add_noise_command(CLI::App& map) {
 }  // namespace
 
 void add_map_command(CLI::App& app, int& exit_code) {
-  static_cast<void>(exit_code);
-  CLI::App* map = app.add_subcommand("map", "Import, inspect and perturb room maps");
+  CLI::App* map = app.add_subcommand("map", "Import, inspect, compare and perturb room maps");
   map->require_subcommand(1);
   add_import(*map);
   add_info(*map);
+  add_map_compare(*map, exit_code);
   add_noise_command(*map);
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/bake/bake_command.h"
 #include "tools/calibrate/calibrate_command.h"
 #include "tools/detect/detect_command.h"
 #include "tools/device/import_command.h"
@@ -17,6 +18,7 @@ namespace roomcal::tools {
 
 /// All of them, in the order of `roomcal --help`.
 inline void add_commands(CLI::App& app, int& exit_code) {
+  add_bake_command(app, exit_code);
   add_calibrate_command(app, exit_code);
   add_detect_command(app, exit_code);
   add_evaluate_command(app, exit_code);

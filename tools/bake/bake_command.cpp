@@ -1,0 +1,81 @@
+#include "tools/bake/bake_command.h"
+
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "runtime/map/format.h"
+#include "tools/bake/bake_report.h"
+#include "tools/bake/survey_json.h"
+#include "tools/bake/survey_reader.h"
+#include "tools/common/files.h"
+#include "tools/map/map_builder.h"
+
+namespace roomcal::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Arguments {
+  fs::path survey, stereo, out, json, detections;
+  std::string id;
+  BakeOptions bake;
+};
+
+int64_t creation_time_unix_s() {
+  // https://reproducible-builds.org/specs/source-date-epoch/
+  const char* fixed = std::getenv("SOURCE_DATE_EPOCH");
+  return fixed != nullptr ? std::strtoll(fixed, nullptr, 10) : static_cast<int64_t>(std::time(nullptr));
+}
+
+void run(const Arguments& arguments) {
+  const StereoRig rig = read_stereo_rig(arguments.stereo);
+  const Survey survey = read_survey(arguments.survey, rig);
+  if (!arguments.detections.empty()) write_atomic(arguments.detections, to_survey_json(survey, rig));
+  BakeResult result = bake(survey, rig, arguments.bake);
+  result.data.id = arguments.id.empty() ? arguments.out.stem().string() : arguments.id;
+  result.data.provenance = "baked from " + arguments.survey.filename().string();
+  result.data.created_unix_s = creation_time_unix_s();
+  const AlignedBytes bytes = build_map(result.data);
+  write_atomic(arguments.out, bytes.span());
+  if (!arguments.json.empty()) write_atomic(arguments.json, bake_json(survey, rig, result).dump(1) + "\n");
+  fmt::print("{}{}: {} bytes\n", bake_text(survey, rig, result), arguments.out.string(), bytes.span().size());
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app, int& exit_code) {
+  static_cast<void>(exit_code);
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("bake", "Make a room map of a hand-held stereo survey");
+  command
+      ->add_option("survey", arguments->survey,
+                   "Folder with cam0/ and cam1/ (or left/ and right/), saved detections (*.json), or the paper's map "
+                   "YAML (its key points)")
+      ->required();
+  command
+      ->add_option("--stereo", arguments->stereo,
+                   "Calibration of the pair: Kalibr camchain or device.yaml, left camera first")
+      ->required();
+  command->add_option("-o,--out", arguments->out, "The map to write, *.room")->required();
+  command->add_option("--json", arguments->json, "Write all figures to this file");
+  command->add_option("--save-detections", arguments->detections,
+                      "Write what was found in the images, to bake again without searching (*.json)");
+  command->add_flag("--refine-stereo", arguments->bake.reconstruct.refine_rig,
+                    "Refine the pair's intrinsics and extrinsics along, held by a prior about the calibration");
+  command->add_option("--distances", arguments->bake.distances,
+                      "Measured distances, CSV a,b,distance_m[,sigma_m]; an end is a marker's id or <pair>@<x>:<y> in "
+                      "the left image. They decide the scale");
+  command
+      ->add_option("--marker-radius", arguments->bake.marker_radius_m,
+                   "Outer radius of the printed markers, measured, m. It decides the scale")
+      ->check(CLI::Range(1e-3, map::kMaxRadius_m));
+  command->add_option("--id", arguments->id, "Name of the map; default: the output's name");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace roomcal::tools

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/bake/marker_shape.h"
+#include "tools/bake/reconstruction.h"
+
+namespace roomcal::tools {
+
+/// Outer radius of the markers that `roomcal sheets` prints on A4; only ever used for a hint.
+inline constexpr double kSheetRadius_m = 0.085;
+
+/// What something that was measured by hand says about the map's scale.
+struct ScaleEvidence {
+  std::string source;  ///< "distances" or "marker radius"
+  double factor = 1;   ///< the map has to grow by this
+  double sigma = 0;
+};
+
+struct ScaleReport {
+  std::string source = "stereo baseline";
+  double factor = 1;  ///< that the map, and the baseline with it, was multiplied by
+  double sigma = 0;   ///< of the factor; 0: as good as the calibration's baseline
+  bool off = false;   ///< hand measurements or the sheets' radius contradict the baseline given
+  std::vector<ScaleEvidence> evidence;
+  std::optional<double> marker_radius_m;  ///< mean over the markers, before scaling
+  std::string message;                    ///< one line for people
+};
+
+struct ScaleOptions {
+  double marker_radius_m = 0;           ///< outer radius as printed, measured with a ruler; 0: not known
+  double marker_radius_sigma = 0.0005;  ///< relative
+  double baseline_sigma = 0;            ///< relative; 0: hand measurements, where there are any, decide alone
+};
+
+/// A distance between two markers' centres that a person measured.
+struct MeasuredDistance {
+  std::size_t point_a = 0, point_b = 0;  ///< numbers in Reconstruction::points
+  double distance_m = 0;
+  double sigma_m = 0.001;
+};
+
+/// CSV `a,b,distance_m[,sigma_m]`; an end is the marker's id in a map baked from this survey before (it is the same
+/// again), or `<pair>@<x>:<y>`, a place in that pair's left image within 20 px of the marker's centre. `#`: comment.
+/// @param id_of_point  ids of the map's points.
+/// @throws ToolError "file:line: ..." for what cannot be read or names no marker of the map.
+std::vector<MeasuredDistance> read_distances(const std::filesystem::path& path, const Survey& survey,
+                                             const Reconstruction& map, const std::vector<uint32_t>& id_of_point);
+
+/// Weighs the evidence against each other. Changes nothing.
+ScaleReport judge_scale(const Reconstruction& map, const std::vector<MeasuredDistance>& distances,
+                        const std::vector<std::optional<MarkerShape>>& shapes, const ScaleOptions& options);
+
+}  // namespace roomcal::tools
