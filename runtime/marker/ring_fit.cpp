@@ -101,8 +101,10 @@ struct Prior {
 void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations) {
   // Small or slanted markers do not tell blur, ink and ring width apart, nor perspective from slant. These say what
   // every printed sheet and lens obeys; from 25 px on they are lost beside the data.
+  // Where glare clips the paper, its light is known from one side only: these hold it near the sensor's range.
   const Prior priors[] = {
-      {kLineX, 0, 0.5}, {kLineY, 0, 0.5}, {kInk, 0.2, 0.2}, {kBlur, 0.9 / model.scale_px, 0.5 / model.scale_px}};
+      {kLineX, 0, 0.5},    {kLineY, 0, 0.5}, {kInk, 0.2, 0.2}, {kBlur, 0.9 / model.scale_px, 0.5 / model.scale_px},
+      {kLight0, 200, 100}, {kLightX, 0, 50}, {kLightY, 0, 50}};
   for (const Prior& prior : priors) {
     const double weight = noise_grey * noise_grey / (prior.sigma * prior.sigma);
     const double error = prior.mean - model[prior.parameter];
@@ -179,8 +181,14 @@ double newton_step(const NormalEquations& equations, RingModel& model) {
   if (!solve_step(equations, model.parameters(), 0, step)) return -1;
   const double stretch = std::clamp(equations.weight / equations.slope, 1.0, 1.5);
   for (double& part : step) part *= stretch;
-  const RingModel trial = moved(model, step);
-  if (!is_plausible(trial)) return -1;
+  RingModel trial = moved(model, step);
+  if (!is_plausible(trial)) {
+    // Rings no wider than their blur tell ink and width apart so badly that glare drives both out of all bounds along
+    // that valley. It leaves the centre alone, so the centre moves and the rest stays.
+    trial = model;
+    for (const int i : {kCentreX, kCentreY}) trial[i] += step[at(i)];
+    if (!is_plausible(trial)) return -1;
+  }
   model = trial;
   return std::hypot(step[kCentreX], step[kCentreY]) * model.scale_px;
 }

@@ -15,14 +15,16 @@ constexpr double kRingSignificance = 8;
 constexpr double kMinRingWidth = 0.03;     // of the outer radius; CCTag's thinnest is 0.1
 constexpr double kMinWidthOverBlur = 0.6;  // thinner rings leave a swing of a few per cent, which anything may have
 constexpr double kMinInnermost = 0.08;     // light disc in the middle: refuses bull's eyes with a dark one
+// A centre worse than this helps nobody; large markers under glare still do at the same share of their size.
 constexpr double kMaxCentreSigma_px = 0.15;
+constexpr double kMaxCentreSigmaOverSize = 0.003;
 // What a Gaussian blur leaves of a real one: found by rendering with a blur sampled at whole pixels.
 constexpr double kModelSigma_px = 0.0015;
 constexpr double kMaxOutlying = 0.1;  // share of pixels the fit sets aside: more is a shadow's edge or an occluder
-constexpr double kMaxMisfit = 0.03;   // correlated residual, of the contrast
-constexpr double kMaxNoise = 0.06;    // of the contrast, where it exceeds what a sensor makes by itself
-constexpr double kSensorNoise_grey = 5;
-constexpr double kMinAxisRatio = 0.2;  // slant 78 degrees
+// Correlated residual, of the contrast. Rendered markers have 0.01, photographs (glare, JPEG, sharpening) up to 0.07.
+constexpr double kMaxMisfit = 0.10;
+constexpr double kTrustedMisfit = 0.02;  // below it the covariance of the fit says all
+constexpr double kMinAxisRatio = 0.2;    // slant 78 degrees
 
 constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
 
@@ -89,16 +91,26 @@ double misfit_correlation(const NormalEquations& equations) {
   return std::clamp(equations.neighbours / std::fmax(equations.influence2, 1e-9), 0.0, 0.9);
 }
 
+// Root mean square of the part of the residuals that neighbours share, of the contrast: shadows, glare, sharpening.
+double misfit_share(const FittedRings& fit) {
+  return fit.noise_grey * std::sqrt(misfit_correlation(fit.evaluation.equations)) / fit.model.contrast();
+}
+
 // A shadow's edge, an occluder or another thing that the light's plane cannot follow.
 bool is_misfit(const FittedRings& fit) {
-  const double misfit_grey = fit.noise_grey * std::sqrt(misfit_correlation(fit.evaluation.equations));
-  return fit.evaluation.outlying > kMaxOutlying * fit.pixels || misfit_grey > kMaxMisfit * fit.model.contrast() ||
-         (fit.noise_grey > kMaxNoise * fit.model.contrast() && fit.noise_grey > kSensorNoise_grey);
+  return fit.evaluation.outlying > kMaxOutlying * fit.pixels || misfit_share(fit) > kMaxMisfit;
+}
+
+// What a misfit may do to the centre: a share m of the contrast at an edge of this blur moves that edge by some m
+// blurs, and nothing says that it averages out around the ring.
+double misfit_sigma_px(const FittedRings& fit) {
+  return std::fmax(0.0, misfit_share(fit) - kTrustedMisfit) * fit.model.blur_px();
 }
 
 bool is_uncertain(const FittedRings& fit, const Detection& detection) {
   if (fit.last_step_px < 0 || fit.last_step_px > 0.1 * fit.model.blur_px()) return true;
-  if (!(detection.cov_px2.trace() < kMaxCentreSigma_px * kMaxCentreSigma_px)) return true;
+  const double max_sigma_px = std::fmax(kMaxCentreSigma_px, kMaxCentreSigmaOverSize * detection.ellipse.major_px);
+  if (!(detection.cov_px2.trace() < max_sigma_px * max_sigma_px)) return true;
   return detection.ellipse.minor_px < kMinAxisRatio * detection.ellipse.major_px;
 }
 
@@ -126,7 +138,8 @@ Status verify_rings(const FittedRings& fit, double outside_share, const Detector
                       (1 + correlation) / (1 - correlation);
   found.cov_px2 << inverse[0][0], inverse[0][1], inverse[1][0], inverse[1][1];
   found.cov_px2 *= unit;
-  found.cov_px2 += kModelSigma_px * kModelSigma_px * Mat22::Identity();
+  const double misfit_px = misfit_sigma_px(fit);
+  found.cov_px2 += (kModelSigma_px * kModelSigma_px + misfit_px * misfit_px) * Mat22::Identity();
   found.status = DetectionStatus::kOk;
   if (is_uncertain(fit, found)) found.status = DetectionStatus::kUnstable;
   if (is_misfit(fit)) found.status = DetectionStatus::kUnstable;
