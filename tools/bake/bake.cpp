@@ -55,8 +55,12 @@ class Baker {
   }
 
   void find_covariances() {
-    // The median fits the residuals' core; what counts for the map's error is their whole scatter, at the weights used.
-    covariances_ = map_covariance(survey_, result_.map, bundle_options());
+    // Scale apart: it is one number for all markers, stated in the report; in each marker's own covariance it would be
+    // taken for as many independent errors.
+    constexpr double kExact = 1e-6;
+    BundleOptions bundle = bundle_options();
+    bundle.prior.baseline = kExact;
+    covariances_ = map_covariance(survey_, result_.map, bundle);
   }
 
   /// Shapes start from the wall that the marker is on, where there is one.
@@ -84,6 +88,7 @@ class Baker {
     if (!options_.distances.empty()) distances = read_distances(options_.distances, survey_, result_.map, ids_);
     ScaleOptions scale;
     scale.marker_radius_m = options_.marker_radius_m;
+    if (options_.reconstruct.refine_rig) scale.baseline_sigma = options_.reconstruct.prior.baseline;
     result_.scale = judge_scale(result_.map, distances, shapes_, scale);
     fmt::print("scale    {}\n", result_.scale.message);
     const double s = result_.scale.factor;
@@ -95,19 +100,6 @@ class Baker {
       if (!shape) continue;
       shape->radius_m *= s;
       shape->sigma_radius_m *= s;
-    }
-    add_scale_uncertainty();
-  }
-
-  /// A scale that was measured to sigma moves every marker by sigma times its way from the middle.
-  void add_scale_uncertainty() {
-    Vec3 middle = Vec3::Zero();
-    for (std::size_t p = 0; p < ids_.size(); ++p) {
-      if (result_.map.alive[p]) middle += result_.map.points[p].p / static_cast<double>(result_.map.alive_count());
-    }
-    for (std::size_t p = 0; p < ids_.size(); ++p) {
-      const Vec3 arm = result_.scale.sigma * (result_.map.points[p].p - middle);
-      if (result_.map.alive[p]) covariances_[p] += arm * arm.transpose();
     }
   }
 

@@ -67,6 +67,15 @@ void add_bake_command(CLI::App& app, int& exit_code) {
                       "Write what was found in the images, to bake again without searching (*.json)");
   command->add_flag("--refine-stereo", arguments->bake.reconstruct.refine_rig,
                     "Refine the pair's intrinsics and extrinsics along, held by a prior about the calibration");
+  RigPrior& prior = arguments->bake.reconstruct.prior;
+  command->add_option("--focal-sigma", prior.focal, "With --refine-stereo: how far focal lengths may be off, relative")
+      ->check(CLI::Range(1e-9, 0.1))
+      ->capture_default_str();
+  command
+      ->add_option("--baseline-sigma", prior.baseline,
+                   "With --refine-stereo: how far the baseline may be off, relative")
+      ->check(CLI::Range(1e-9, 0.1))
+      ->capture_default_str();
   command->add_option("--distances", arguments->bake.distances,
                       "Measured distances, CSV a,b,distance_m[,sigma_m]; an end is a marker's id or <pair>@<x>:<y> in "
                       "the left image. They decide the scale");

@@ -17,6 +17,7 @@ namespace {
 constexpr double kReach_px = 20;
 // Detectors set the outer edge of a blurred ring wrong by some hundredths of a pixel.
 constexpr double kRadiusBias = 0.0005;
+constexpr double kSheetLikeness = 0.01;
 
 class DistanceReader {
  public:
@@ -123,8 +124,8 @@ double percent(double factor) { return 100 * (factor - 1); }
 
 void hint_at_sheets(ScaleReport& report) {
   const double factor = kSheetRadius_m / *report.marker_radius_m;
-  constexpr double kLooksLikeOurs = 0.02, kOff = 0.0015;
-  if (std::abs(factor - 1) > kLooksLikeOurs || std::abs(factor - 1) < kOff) return;
+  constexpr double kOff = 0.0015;
+  if (std::abs(factor - 1) > kSheetLikeness || std::abs(factor - 1) < kOff) return;
   report.off = true;
   report.message = fmt::format(
       "scale is off, if the markers are the {:.0f} mm ones of `roomcal sheets`: they measure {:.3f} mm, so the "
@@ -155,19 +156,24 @@ ScaleReport judge_scale(const Reconstruction& map, const std::vector<MeasuredDis
     const double sigma = std::hypot(options.marker_radius_sigma, kRadiusBias);
     report.evidence.push_back({"marker radius", options.marker_radius_m / *report.marker_radius_m, sigma});
   }
-  if (report.evidence.empty()) {
+  std::vector<ScaleEvidence> all = report.evidence;
+  if (all.empty()) {
+    report.sigma = options.baseline_sigma;
     report.message = "scale from the stereo baseline given; nothing checks it";
-    if (report.marker_radius_m) hint_at_sheets(report);
-    return report;
+    if (!report.marker_radius_m) return report;
+    hint_at_sheets(report);
+    const double factor = kSheetRadius_m / *report.marker_radius_m;
+    if (options.baseline_sigma == 0 || std::abs(factor - 1) > kSheetLikeness) return report;
+    report.evidence.push_back({"sheet radius (assumed)", factor, std::hypot(kSheetSigma, kRadiusBias)});
+    all = report.evidence;
+    all.push_back({"baseline", 1, options.baseline_sigma});
   }
   const ScaleEvidence by_hand = combine(report.evidence);
-  std::vector<ScaleEvidence> all = report.evidence;
-  if (options.baseline_sigma > 0) all.push_back({"baseline", 1, options.baseline_sigma});
   const ScaleEvidence together = combine(all);
   report.source = report.evidence.size() == 2 ? "distances and marker radius" : report.evidence[0].source;
   report.factor = together.factor;
   report.sigma = together.sigma;
-  report.off = std::abs(by_hand.factor - 1) > std::max(3 * by_hand.sigma, 5e-4);
+  report.off = report.off || std::abs(by_hand.factor - 1) > std::max(3 * by_hand.sigma, 5e-4);
   report.message = fmt::format("scale from {}: the map as the baseline has it was {} {:+.3f} % +- {:.3f} %{}",
                                report.source, "multiplied by", percent(report.factor), 100 * report.sigma,
                                report.off ? "; scale is off: the baseline given is wrong by that" : "");

@@ -10,12 +10,13 @@
 
 namespace roomcal::tools {
 
-/// Outer radius of the markers that `roomcal sheets` prints on A4; only ever used for a hint.
+/// Outer radius of the markers that `roomcal sheets` prints on A4, and how true printers are to it (relative).
 inline constexpr double kSheetRadius_m = 0.085;
+inline constexpr double kSheetSigma = 0.001;
 
 /// What something that was measured by hand says about the map's scale.
 struct ScaleEvidence {
-  std::string source;  ///< "distances" or "marker radius"
+  std::string source;  ///< "distances", "marker radius" or "sheet radius (assumed)"
   double factor = 1;   ///< the map has to grow by this
   double sigma = 0;
 };
@@ -23,7 +24,7 @@ struct ScaleEvidence {
 struct ScaleReport {
   std::string source = "stereo baseline";
   double factor = 1;  ///< that the map, and the baseline with it, was multiplied by
-  double sigma = 0;   ///< of the factor; 0: as good as the calibration's baseline
+  double sigma = 0;   ///< of the factor, relative; 0: as good as the calibration's baseline
   bool off = false;   ///< hand measurements or the sheets' radius contradict the baseline given
   std::vector<ScaleEvidence> evidence;
   std::optional<double> marker_radius_m;  ///< mean over the markers, before scaling
@@ -33,7 +34,9 @@ struct ScaleReport {
 struct ScaleOptions {
   double marker_radius_m = 0;           ///< outer radius as printed, measured with a ruler; 0: not known
   double marker_radius_sigma = 0.0005;  ///< relative
-  double baseline_sigma = 0;            ///< relative; 0: hand measurements, where there are any, decide alone
+  /// Relative. 0: the baseline is trusted as given. Else it is under doubt: where nothing was measured by hand, markers
+  /// that look like our own sheets (within 1 %) are weighed against it.
+  double baseline_sigma = 0;
 };
 
 /// A distance between two markers' centres that a person measured.
