@@ -23,6 +23,10 @@ constexpr double kModelSigma_px = 0.0015;
 constexpr double kMaxOutlying = 0.1;  // share of pixels the fit sets aside: more is a shadow's edge or an occluder
 // Correlated residual, of the contrast. Rendered markers have 0.01, photographs (glare, JPEG, sharpening) up to 0.07.
 constexpr double kMaxMisfit = 0.10;
+// Residual of the contrast, where it exceeds what a sensor makes: photographs stay below 0.085, a shadow that halves
+// the light on a part of the marker makes 0.11 and may move the centre by a tenth of a pixel.
+constexpr double kMaxNoise = 0.10;
+constexpr double kSensorNoise_grey = 5;
 constexpr double kTrustedMisfit = 0.02;  // below it the covariance of the fit says all
 constexpr double kMinAxisRatio = 0.2;    // slant 78 degrees
 
@@ -98,7 +102,8 @@ double misfit_share(const FittedRings& fit) {
 
 // A shadow's edge, an occluder or another thing that the light's plane cannot follow.
 bool is_misfit(const FittedRings& fit) {
-  return fit.evaluation.outlying > kMaxOutlying * fit.pixels || misfit_share(fit) > kMaxMisfit;
+  const bool is_noisy = fit.noise_grey > kMaxNoise * fit.model.contrast() && fit.noise_grey > kSensorNoise_grey;
+  return is_noisy || fit.evaluation.outlying > kMaxOutlying * fit.pixels || misfit_share(fit) > kMaxMisfit;
 }
 
 // What a misfit may do to the centre: a share m of the contrast at an edge of this blur moves that edge by some m
