@@ -46,7 +46,8 @@ class Reconstructor {
   }
 
   /// Tracks with gates as tight as the epipolar distances are. A wrong focal length bends views against each other
-  /// without showing there, so a survey that falls apart is tracked again with wider gates; the most views win.
+  /// without showing there, so a survey that falls apart is tracked again with wider gates. These are believed only if
+  /// they bring together what the tighter ones placed in parts: they might as well have thrown two rooms into one.
   std::vector<Reconstruction> track_at_best_noise(double epipolar_px, StereoPoints& stereo) {
     constexpr double kLeast_px = 0.1;
     const double most_px = options_.track.stereo.sigma_px;
@@ -55,20 +56,32 @@ class Reconstructor {
     for (double sigma_px = std::clamp(1.5 * epipolar_px, kLeast_px, most_px);; sigma_px *= 3) {
       set_noise(std::min(sigma_px, most_px));
       stereo = match_all_stereo(given_rig_, survey_, track_.stereo);
-      const auto usable = std::count_if(stereo.begin(), stereo.end(),
-                                        [&](const auto& points) { return points.size() >= track_.min_points; });
       std::vector<Reconstruction> maps = track(survey_, given_rig_, stereo, track_);
       join(maps);
-      if (!maps.empty() && (best.empty() || maps[0].order.size() > best[0].order.size())) {
+      if (!maps.empty() && (best.empty() || nearly_all(maps[0].order.size(), placed_in_parts(best)))) {
         best = std::move(maps);
         best_px = track_.stereo.sigma_px;
       }
-      const bool enough = !best.empty() && 100 * best[0].order.size() >= 98 * static_cast<std::size_t>(usable);
-      if (enough || sigma_px >= most_px) break;
+      if (!best.empty() && nearly_all(best[0].order.size(), count_usable(stereo))) break;
+      if (sigma_px >= most_px) break;
     }
     set_noise(std::max(best_px, kLeast_px));
     stereo = match_all_stereo(given_rig_, survey_, track_.stereo);
     return best;
+  }
+
+  static bool nearly_all(std::size_t some, std::size_t all) { return 100 * some >= 98 * all; }
+
+  /// Views in maps that are more than a view that fits nowhere.
+  static std::size_t placed_in_parts(const std::vector<Reconstruction>& maps) {
+    std::size_t placed = 0;
+    for (const Reconstruction& map : maps) placed += map.order.size() > 1 ? map.order.size() : 0;
+    return placed;
+  }
+
+  std::size_t count_usable(const StereoPoints& stereo) const {
+    return static_cast<std::size_t>(std::count_if(
+        stereo.begin(), stereo.end(), [&](const auto& points) { return points.size() >= track_.min_points; }));
   }
 
   /// The largest map takes in what it can, again and again: a joined map may carry the next one.

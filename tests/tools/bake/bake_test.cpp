@@ -1,0 +1,130 @@
+#include "tools/bake/bake.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/bake/synthetic_survey.h"
+#include "tests/tools/refusal.h"
+#include "tools/map/compare.h"
+#include "tools/map/map_builder.h"
+
+namespace roomcal::tools {
+namespace {
+
+using test::contains;
+using test::make_survey;
+using test::refusal;
+using test::SyntheticSurvey;
+
+MapData truth_of(const SyntheticSurvey& s) {
+  MapData data;
+  for (std::size_t i = 0; i < s.room.size(); ++i) {
+    map::MapMarker marker;
+    marker.id = static_cast<uint32_t>(i);
+    marker.p_room = s.room[i].p_room;
+    data.markers.push_back(marker);
+  }
+  return data;
+}
+
+std::vector<std::byte> bytes_of(BakeResult result) {
+  result.data.id = "room";
+  result.data.provenance = "test";
+  const AlignedBytes bytes = build_map(result.data);
+  return {bytes.span().begin(), bytes.span().end()};
+}
+
+TEST(Bake, WalkWithNoise_GivesTheRoomWithoutPhantoms) {
+  const SyntheticSurvey s = make_survey(1, 0.1);
+  const BakeResult result = bake(s.survey, s.rig, {});
+  EXPECT_EQ(result.map.order.size(), s.survey.views.size());
+  const auto comparison = compare_maps(truth_of(s), result.data);
+  ASSERT_TRUE(comparison);
+  EXPECT_EQ(comparison->matched.size(), result.data.markers.size());
+  EXPECT_GT(comparison->matched.size(), 200U);
+  EXPECT_LT(comparison->rms_m, 0.002);
+}
+
+TEST(Bake, RoomAxes_FloorAtZeroAndRoomAtPositiveCoordinates) {
+  const SyntheticSurvey s = make_survey(2, 0.05);
+  const BakeResult result = bake(s.survey, s.rig, {});
+  ASSERT_TRUE(result.structure.floor);
+  for (const map::MapMarker& marker : result.data.markers) EXPECT_GT(marker.p_room.minCoeff(), -0.01);
+  EXPECT_GE(result.structure.corners.size(), 2U);
+}
+
+TEST(Bake, PairsOutOfOrderAndEmptyOnes_AreSurvivedAndNamed) {
+  SyntheticSurvey s = make_survey(3, 0.05);
+  truth::Random random(9);
+  for (std::size_t i = s.survey.views.size(); i > 1; --i) {
+    std::swap(s.survey.views[i - 1], s.survey.views[random.index(i)]);
+  }
+  for (const Side side : kBothSides) s.survey.views[5].seen[side].clear();
+  const BakeResult result = bake(s.survey, s.rig, {});
+  EXPECT_EQ(result.map.order.size(), s.survey.views.size() - 1);
+  EXPECT_EQ(result.summary.views_without_markers, std::vector<std::size_t>{5});
+}
+
+TEST(Bake, ScatteredSightings_AreNoMarkers) {
+  SyntheticSurvey s = make_survey(4, 0.05);
+  truth::Random random(10);
+  for (StereoView& view : s.survey.views) {
+    for (const Side side : kBothSides) {
+      for (int i = 0; i < 2; ++i) {
+        view.seen[side].push_back({{random.uniform(0, 1279), random.uniform(0, 1023)}, Mat22::Identity(), {}});
+      }
+    }
+  }
+  const BakeResult result = bake(s.survey, s.rig, {});
+  const auto comparison = compare_maps(truth_of(s), result.data);
+  ASSERT_TRUE(comparison);
+  EXPECT_EQ(comparison->matched.size(), result.data.markers.size());
+}
+
+TEST(Bake, SameSurveyTwice_GivesTheSameBytes) {
+  const SyntheticSurvey s = make_survey(5, 0.1);
+  EXPECT_EQ(bytes_of(bake(s.survey, s.rig, {})), bytes_of(bake(s.survey, s.rig, {})));
+}
+
+TEST(Bake, WrongFocalLength_IsMendedByRefinement) {
+  const SyntheticSurvey s = make_survey(6, 0.03);
+  StereoRig wrong = s.rig;
+  for (const Side side : kBothSides) {
+    camera::Intrinsics k = s.rig.cameras[side].intrinsics();
+    k.fx_px *= 1.002;
+    k.fy_px *= 1.002;
+    wrong.cameras[side] = camera::Camera::create(k).value();
+  }
+  BakeOptions options;
+  options.reconstruct.refine_rig = true;
+  const BakeResult result = bake(s.survey, wrong, options);
+  EXPECT_NEAR(result.map.rig.cameras[kLeft].intrinsics().fx_px / s.rig.cameras[kLeft].intrinsics().fx_px, 1, 3e-4);
+}
+
+TEST(Bake, SwappedSides_SaysSo) {
+  SyntheticSurvey s = make_survey(7, 0.05, 8);
+  for (StereoView& view : s.survey.views) std::swap(view.seen[kLeft], view.seen[kRight]);
+  EXPECT_TRUE(contains(refusal([&] { bake(s.survey, s.rig, {}); }), "left and right are swapped"));
+}
+
+TEST(Bake, AnotherPairsCalibration_SaysSo) {
+  SyntheticSurvey s = make_survey(8, 0.05, 8);
+  StereoRig wrong = s.rig;
+  wrong.T_right_left = {so3_exp({0.1, 0, 0.05}), Vec3(-0.3, 0.1, 0)};
+  EXPECT_TRUE(contains(refusal([&] { bake(s.survey, wrong, {}); }), "the stereo calibration does not belong"));
+}
+
+TEST(Bake, NoMarkersAtAll_SaysSo) {
+  SyntheticSurvey s = make_survey(9, 0.05, 8);
+  for (StereoView& view : s.survey.views) view.seen = {};
+  EXPECT_TRUE(contains(refusal([&] { bake(s.survey, s.rig, {}); }), "no markers in any left image"));
+}
+
+TEST(Bake, TwoRooms_SaysSo) {
+  SyntheticSurvey s = make_survey(10, 0.05);
+  const SyntheticSurvey other = make_survey(11, 0.05);
+  s.survey.views.insert(s.survey.views.end(), other.survey.views.begin(), other.survey.views.end());
+  EXPECT_TRUE(contains(refusal([&] { bake(s.survey, s.rig, {}); }), "two rooms"));
+}
+
+}  // namespace
+}  // namespace roomcal::tools
