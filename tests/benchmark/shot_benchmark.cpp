@@ -47,20 +47,15 @@ uint64_t sum_of_pixels(const cv::Mat& image) {
   return sum;
 }
 
-/// The same picture with nothing to find: every sheet gone, shading and noise kept.
-cv::Mat without_markers(const cv::Mat& image) {
-  cv::Mat bare = image.clone();
-  const int band = image.rows / 8;  // wall above the sheets repeats downwards
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x)
-      bare.at<uint8_t>(y, x) = static_cast<uint8_t>(90 + x * 60 / image.cols + (image.at<uint8_t>(y % band, x) & 3));
-  return bare;
+const std::vector<cv::Mat>& bare_images() {
+  static const std::vector<cv::Mat> images = simulate_bare_images("mobile_robot", 1, 1);
+  return images;
 }
 
 /// Argument: camera of the robot; counters: what the bar is made of.
 void detect_rings(benchmark::State& state) {
   const cv::Mat& image = robot_shot().images[static_cast<std::size_t>(state.range(0))];
-  const cv::Mat bare = without_markers(image);
+  const cv::Mat& bare = bare_images()[static_cast<std::size_t>(state.range(0))];
   std::vector<std::byte> memory(marker::detector_scratch_bytes(image.cols, image.rows));
   std::vector<marker::Detection> found(calib::kMaxDetections);
   std::size_t count = 0;

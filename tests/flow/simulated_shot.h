@@ -27,4 +27,7 @@ tools::LoadedMap simulated_map(uint64_t room_seed);
 /// @param device  stereo_rig, mobile_robot, backpack or tls.
 SimulatedShot simulate_shot(const std::string& device, uint64_t room_seed, uint64_t shot_seed);
 
+/// What the same device sees in a room like that with no marker in it, distractors kept.
+std::vector<cv::Mat> simulate_bare_images(const std::string& device, uint64_t room_seed, uint64_t shot_seed);
+
 }  // namespace roomcal::flow
