@@ -18,7 +18,8 @@ constexpr int kReach = 15;        ///< px: rays end here
 constexpr int kMinSpeckRise = 6;  ///< grey levels: three sigma of common noise over eight neighbours
 constexpr std::size_t kRays = 24;
 constexpr std::size_t kSteps = 2 * kReach;
-constexpr double kLargestPx = 26;  ///< the threshold resolves larger ones
+constexpr double kLargestPx = 26;              ///< minor axis; the threshold resolves larger ones
+constexpr double kLongestPx = 2 * kReach + 4;  ///< major axis: few of its rays need to meet the rim
 
 /// How far each pixel of a row rises beyond `least` above the brightest of eight on a circle around it, 0 if it does
 /// not.
@@ -107,8 +108,8 @@ bool fit_rim(ImageView image, const Vec2& speck_px, const DetectorOptions& optio
   candidate.outer = ellipse_of(centre_px, S2 * 64.0);
   candidate.rings = 1;
   candidate.touches_border = crosses_border(image, centre_px, S2 * 64.0);
-  return candidate.outer.major_px >= options.min_diameter_px && candidate.outer.major_px <= kLargestPx &&
-         candidate.outer.minor_px >= 0.25 * candidate.outer.major_px &&
+  return candidate.outer.major_px >= options.min_diameter_px && candidate.outer.major_px <= kLongestPx &&
+         candidate.outer.minor_px <= kLargestPx && candidate.outer.minor_px >= 0.25 * candidate.outer.major_px &&
          (centre_px - speck_px).norm() < 1 + 0.15 * candidate.outer.minor_px;
 }
 
@@ -127,29 +128,36 @@ bool is_known(const Vec2& speck_px, const CandidateList& list) {
   return false;
 }
 
-/// Does it get light again beyond the dark, in seven of eight directions? Most peaks of noise end here.
-bool has_rim(ImageView image, int x, int y, int rise) {
+/// Does it get light again beyond the dark, in seven of eight directions? Most peaks of noise end here. As light as
+/// the speck; or, because light may change from side to side and a slanted sheet's margin is narrower than its blur,
+/// well above the darkest before it: by more than noise spans along a ray.
+bool has_rim(ImageView image, int x, int y, int rise, int noise_rise) {
   constexpr std::array<std::array<int, 2>, 8> kCompass = {
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
   const int wanted = image(x, y) - 3 * rise / 5;
+  const int step = std::max(rise / 2, 3 * noise_rise / 2);
   int met = 0;
   for (std::size_t k = 0; k < kCompass.size(); ++k) {
     if (met + static_cast<int>(kCompass.size() - k) < 7) return false;
     bool light = false;
+    int darkest = 255;
     for (int i = 3; i <= (k % 2 == 0 ? 14 : 10) && !light; ++i) {
       const int px = x + i * kCompass[k][0];
       const int py = y + i * kCompass[k][1];
       if (px < 0 || py < 0 || px >= image.width() || py >= image.height()) break;
-      light = image(px, py) >= wanted;
+      const int value = image(px, py);
+      darkest = std::min(darkest, value);
+      light = value >= std::min(wanted, darkest + step);
     }
     met += light ? 1 : 0;
   }
   return met >= 7;
 }
 
-void look_at(ImageView image, int x, int y, int rise, const DetectorOptions& options, CandidateList& list) {
+void look_at(ImageView image, int x, int y, int rise, int noise_rise, const DetectorOptions& options,
+             CandidateList& list) {
   const Vec2 speck_px(x, y);
-  if (!is_peak(image, x, y) || !has_rim(image, x, y, rise) || is_known(speck_px, list)) return;
+  if (!is_peak(image, x, y) || !has_rim(image, x, y, rise, noise_rise) || is_known(speck_px, list)) return;
   ++list.probed;
   Candidate candidate;
   if (fit_rim(image, speck_px, options, candidate)) add_candidate(candidate, list);
@@ -173,7 +181,7 @@ Status find_small_markers(ImageView image, const DetectorOptions& options, int m
       if (eight == 0) continue;
       for (int i = x; i < std::min(x + 8, image.width()); ++i)
         if (const int height = rise[static_cast<std::size_t>(i)]; height > 0)
-          look_at(image, i, y, height + least, options, list);
+          look_at(image, i, y, height + least, least, options, list);
     }
   }
   return ok_status();
