@@ -56,8 +56,4 @@ StereoRig read_stereo_rig(const std::filesystem::path& path) {
   return rig;
 }
 
-StereoRig swapped(const StereoRig& rig) {
-  return {{rig.cameras[kRight], rig.cameras[kLeft]}, rig.T_right_left.inverse()};
-}
-
 }  // namespace roomcal::tools

@@ -60,7 +60,4 @@ void normalize_covariances(Survey& survey);
 /// @throws ToolError naming what the file lacks.
 StereoRig read_stereo_rig(const std::filesystem::path& path);
 
-/// The pair with its sides exchanged, for finding out that a survey's folders are.
-StereoRig swapped(const StereoRig& rig);
-
 }  // namespace roomcal::tools

@@ -37,13 +37,13 @@ void check_stereo(const Survey& survey, const StereoRig& rig, const std::vector<
   }
   const std::size_t partnered = count_partnered(stereo);
   if (2 * partnered >= std::min(sightings[kLeft], sightings[kRight])) return;
-  const StereoRig other = swapped(rig);
   std::size_t partnered_swapped = 0;
   for (const StereoView& view : survey.views) {
-    const StereoView mirrored{view.name, {view.seen[kRight], view.seen[kLeft]}};
-    partnered_swapped += count_partnered({match_stereo(swapped(other), mirrored, options)});
+    const StereoView exchanged{view.name, {view.seen[kRight], view.seen[kLeft]}};
+    partnered_swapped += count_partnered({match_stereo(rig, exchanged, options)});
   }
-  if (partnered_swapped > partnered + partnered / 2) {
+  // A foreign calibration finds a few chance partners either way; only exchanging that mends most of them is the cause.
+  if (2 * partnered_swapped >= std::min(sightings[kLeft], sightings[kRight])) {
     throw ToolError(
         fmt::format("{}: left and right are swapped: exchange the folders (or the cameras in the "
                     "calibration); {} sightings find a partner that way, {} as given",
