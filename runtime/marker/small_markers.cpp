@@ -114,7 +114,7 @@ bool fit_rim(ImageView image, const Vec2& speck_px, const DetectorOptions& optio
 }
 
 /// Inside a marker that is known already. Ellipses with fewer rings hide only what is in their middle: they may be
-/// none.
+/// none. So may large ones: a field of small markers has edges for every ellipse.
 bool is_known(const Vec2& speck_px, const CandidateList& list) {
   for (const Candidate& known : list.items.first(list.count)) {
     const Ellipse& e = known.outer;
@@ -123,7 +123,8 @@ bool is_known(const Vec2& speck_px, const CandidateList& list) {
     const Vec2 axis(std::cos(e.angle_rad), std::sin(e.angle_rad));
     const double along = 2 * d.dot(axis) / e.major_px;
     const double across = 2 * (d.y() * axis.x() - d.x() * axis.y()) / e.minor_px;
-    if (along * along + across * across < (known.rings >= 3 ? 1.0 : 0.25)) return true;
+    const double reach = e.major_px > 2 * kLongestPx ? 0.0025 : known.rings >= 3 ? 1.0 : 0.25;
+    if (along * along + across * across < reach) return true;
   }
   return false;
 }
