@@ -13,7 +13,8 @@ namespace {
 // Sheets are white up to about 1.2 outer radii; a little less keeps blur of what lies beyond out.
 constexpr double kFitReach = 1.15;
 constexpr int kThinnedPixels = 704;
-constexpr int kMaxReseeds = 2;  // an inner ring of three may have two around it
+constexpr double kSettledChange = 0.03;  // of the size; the fit to the pixels takes it from there
+constexpr int kMaxReseeds = 2;           // an inner ring of three may have two around it
 
 constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
 Status out_of_scratch() { return out_of_arena("marker fit: give detect() its detector_scratch_bytes()"); }
@@ -23,13 +24,22 @@ struct Start {
   RadialProfile profile;
 };
 
-// Wide window first; the second look samples in the better frame.
+// How far an ellipse moved, as a share of its size.
+double change_of(const Ellipse& before, const Ellipse& after) {
+  const double moved = 2 * (after.centre_px - before.centre_px).norm() / before.minor_px;
+  return std::max(
+      {moved, std::abs(after.major_px / before.major_px - 1), std::abs(after.minor_px / before.minor_px - 1)});
+}
+
+// Wide window first; the second look samples in the better frame, where the first has moved it enough to matter.
 Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
   double support = 0;
   for (const double window : {0.2, 0.12}) {
     // find_edge() looks a difference's reach beyond its window: 0.2 covers both at every size.
     sample_polar(image, ellipse, 1 - window - 0.2, 1 + window + 0.2, grid);
+    const Ellipse before = ellipse;
     ROOMCAL_TRY(snap_to_outer_edge(grid, window, ellipse, support));
+    if (support > 0.9 && change_of(before, ellipse) < kSettledChange) break;
   }
   if (support < 0.5) return refuse("no closed dark-to-light edge");
   sample_polar(image, ellipse, 0, PolarGrid::kReach, grid);
@@ -109,7 +119,8 @@ std::span<float> every_fourth(std::span<float> values) {
 // all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
 Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   constexpr double kTypicalNoise = 2;
-  constexpr double kOutlierSigmas = 5;  // costs 3 % of the information of Gaussian noise
+  constexpr double kHopelessResidual = 0.3;  // markers under shadows start at 0.15 and end below 0.13
+  constexpr double kOutlierSigmas = 5;       // costs 3 % of the information of Gaussian noise
   RingPixels all, few;
   ROOMCAL_TRY(gather_ring_pixels(image, fit.model, kFitReach, scratch, all));
   ROOMCAL_TRY(thin_ring_pixels(all, kThinnedPixels, scratch, few));
@@ -122,6 +133,7 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   measure_residuals(fit.model, few, few_magnitudes);
   fit.noise_grey = robust_sigma(few_magnitudes);
   fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, 5, fit.model);
+  if (fit.noise_grey > kHopelessResidual * fit.model.contrast()) return refuse("far from any picture of rings");
   for (int step = 0; step < 4; ++step) {
     fit.tally = {};
     evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);

@@ -226,6 +226,8 @@ double total(const Lanes& lanes) {
          (static_cast<double>(lanes[2]) + static_cast<double>(lanes[3]));
 }
 
+const Lanes& lanes_at(const float* values) { return *reinterpret_cast<const Lanes*>(values); }
+
 // Products of three rows with three others: nine sums held in registers.
 void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels], double (&product)[3][3]) {
   Lanes sum[3][3] = {};
@@ -243,9 +245,35 @@ void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels
   }
 }
 
+// The spread 1 + (e / scale)^2 is the weight's inverse square root, so nothing is divided here.
+void sum_influence(const RingBlock& block, NormalEquations& equations) {
+  alignas(64) float influence[kBlockPixels + 4] = {};
+  alignas(64) float root[kBlockPixels];
+  for (int i = 0; i < kBlockPixels; ++i) {
+    influence[i] = block.weight[i] * block.residual[i];
+    root[i] = std::sqrt(block.weight[i]);
+  }
+  Lanes cost = {}, weight = {}, influence2 = {}, slope = {}, neighbours = {};
+  for (int i = 0; i < kBlockPixels; i += 4) {
+    const Lanes w = lanes_at(block.weight + i), e = lanes_at(block.residual + i), q = lanes_at(root + i);
+    const Lanes psi = lanes_at(influence + i);
+    const Lanes next = {influence[i + 1], influence[i + 2], influence[i + 3], influence[i + 4]};
+    cost += e * e * q;
+    weight += w;
+    influence2 += psi * psi;
+    slope += w * (4.0F * q - 3.0F);
+    neighbours += psi * next;
+  }
+  equations.cost += total(cost);
+  equations.weight += total(weight);
+  equations.influence2 += total(influence2);
+  equations.slope += total(slope);
+  equations.neighbours += total(neighbours);
+}
+
 }  // namespace
 
-void accumulate(const RingBlock& block, const ResidualWeighting& weighting, NormalEquations& equations) {
+void accumulate(const RingBlock& block, NormalEquations& equations) {
   for (int a = 0; a < block.rows; a += 3) {
     for (int b = a; b < block.rows; b += 3) {
       double product[3][3];
@@ -260,22 +288,7 @@ void accumulate(const RingBlock& block, const ResidualWeighting& weighting, Norm
       }
     }
   }
-  const double inverse_scale2 = 1.0 / (weighting.scale_grey * weighting.scale_grey);
-  double cost = 0, previous = 0;
-  for (int i = 0; i < kBlockPixels; ++i) {
-    if (block.weight[i] <= 0) continue;
-    const double square = static_cast<double>(block.residual[i]) * static_cast<double>(block.residual[i]);
-    const double weight = static_cast<double>(block.weight[i]);
-    const double spread = 1 + square * inverse_scale2;
-    cost += square / spread;
-    equations.weight += weight;
-    const double influence = weight * static_cast<double>(block.residual[i]);
-    equations.neighbours += previous * influence;
-    previous = influence;
-    equations.influence2 += weight * weight * square;
-    equations.slope += weight * (4 - 3 * spread) / spread;
-  }
-  equations.cost += cost;
+  sum_influence(block, equations);
 }
 
 }  // namespace roomcal::marker

@@ -31,8 +31,8 @@ struct alignas(64) RingBlock {
   float row[kRows][kBlockPixels];
   std::array<int, kRows> parameter{};  ///< which unknown a row belongs to; the residual's is kMaxParameters
   int rows = 0;
-  float residual[kBlockPixels];  ///< grey levels, data minus model, not weighted
-  float weight[kBlockPixels];    ///< robust weight; 0 for padding and clipped pixels
+  alignas(64) float residual[kBlockPixels];  ///< grey levels, data minus model, not weighted
+  float weight[kBlockPixels];                ///< robust weight; 0 for padding and clipped pixels
   float radius[kBlockPixels];
   float slope[kBlockPixels];  ///< d model / d r, grey levels: says how much a pixel knows about the geometry
   float direction_x[kBlockPixels], direction_y[kBlockPixels];  ///< unit vector W d / |W d|
@@ -62,6 +62,6 @@ struct NormalEquations {
 };
 
 /// Adds one evaluated block.
-void accumulate(const RingBlock& block, const ResidualWeighting& weighting, NormalEquations& equations);
+void accumulate(const RingBlock& block, NormalEquations& equations);
 
 }  // namespace roomcal::marker

@@ -121,7 +121,7 @@ void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWe
   RingBlock block;
   for (int first = 0; first < pixels.count; first += kBlockPixels) {
     evaluate_block(model, pixels, first, weighting, block);
-    accumulate(block, weighting, evaluation.equations);
+    accumulate(block, evaluation.equations);
     const int valid = std::min(kBlockPixels, pixels.count - first);
     for (int i = 0; i < valid; ++i) evaluation.outlying += block.weight[i] > 0 && block.weight[i] < 0.25F ? 1 : 0;
     if (!absolute_residual.empty()) {

@@ -81,7 +81,7 @@ TEST(RingBlock, Accumulate_EqualsPlainSums) {
   RingBlock block;
   evaluate_block(model, pixels.view(), 0, weighting, block);
   NormalEquations equations;
-  accumulate(block, weighting, equations);
+  accumulate(block, equations);
   for (int a = 0; a + 1 < block.rows; ++a) {
     double gradient = 0;
     for (int i = 0; i < kBlockPixels; ++i) {
