@@ -1,9 +1,11 @@
 #include "tools/simulate/room_files.h"
 
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "tools/common/error.h"
 #include "tools/common/files.h"
@@ -14,7 +16,8 @@ namespace {
 
 class RoomFiles : public testing::Test {
  protected:
-  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "roomcal_room_files";
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("roomcal_room_files_" + std::to_string(getpid()));
   void TearDown() override { std::filesystem::remove_all(folder_); }
 };
 

@@ -1,9 +1,11 @@
 #include "tools/simulate/shot.h"
 
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "tools/common/files.h"
 #include "tools/simulate/make_room.h"
@@ -45,7 +47,8 @@ TEST(PlaceDevice, ManySeeds_DeviceStandsInTheRoomAndIsPerturbedAsAsked) {
 
 class ShotFiles : public testing::Test {
  protected:
-  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "roomcal_shot_files";
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("roomcal_shot_files_" + std::to_string(getpid()));
   void TearDown() override { std::filesystem::remove_all(folder_); }
 };
 
