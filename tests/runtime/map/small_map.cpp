@@ -21,7 +21,7 @@ void reseal(tools::AlignedBytes& bytes) {
 
 tools::AlignedBytes resized(const tools::AlignedBytes& bytes, std::size_t size) {
   tools::AlignedBytes result(size);
-  std::memcpy(result.span().data(), bytes.span().data(), std::min(size, bytes.span().size()));
+  std::copy_n(bytes.span().begin(), std::min(size, bytes.span().size()), result.span().begin());
   return result;
 }
 
