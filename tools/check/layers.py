@@ -18,7 +18,8 @@ RUNTIME = {
     "map": {"base", "math"},
     "store": {"base", "math"},
     "marker": {"base", "math"},
-    "lidar": {"base", "math", "map"},
+    "lidar": {"base", "math"},
+    "scan": {"base", "math", "map", "lidar"},
     "pose": {"base", "math", "camera", "map"},
     "rig": {"base", "math", "camera", "map"},
 }
