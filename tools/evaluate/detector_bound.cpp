@@ -55,8 +55,8 @@ class SmoothMarker {
     const double blur = blur_px_ + x[kBlur];
     const double sigma = std::sqrt(2 * (blur * blur + 1.0 / 12));
     double share = 0, sign = 1;
-    for (std::size_t k = 0; k < kRingRadii.size(); ++k) {
-      const double edge = kRingRadii[k] + (k > 0 ? x[kRadii + static_cast<int>(k) - 1] : 0.0);
+    for (std::size_t k = 0; k < field_.ring_radii.size(); ++k) {
+      const double edge = field_.ring_radii[k] + (k > 0 ? x[kRadii + static_cast<int>(k) - 1] : 0.0);
       share += sign * 0.5 * std::erfc((radius - edge) * px_per_radius / sigma);
       sign = -sign;
     }

@@ -45,6 +45,7 @@ FieldOptions field_for(const CellSpec& spec, uint64_t seed) {
   options.diameter_px = spec.diameter_px;
   options.slant_rad = deg_to_rad(spec.slant_deg);
   options.gradient = spec.gradient;
+  options.ring_radii = spec.ring_radii;
   options.seed = seed;
   return options;
 }

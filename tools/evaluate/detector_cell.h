@@ -14,6 +14,7 @@ struct CellSpec {
   double gradient = 0;  ///< along +x, over one diameter
   double noise_sigma = 2;
   bool fisheye = false;
+  RingRadii ring_radii = kBestRings;
 };
 
 /// What the detector did with the markers of one combination. Sums, so that cells can be pooled.

@@ -27,11 +27,12 @@ Plane plane_of(const FieldMarker& marker) {
   return plane;
 }
 
-Decal decal_of(const FieldMarker& marker) {
+Decal decal_of(const FieldMarker& marker, const RingRadii& ring_radii) {
   Decal sheet;
   sheet.angle_rad = marker.sheet_angle_rad;
   sheet.half_size = Vec2(kSheetWidth_m, kSheetHeight_m) / (2 * kMarkerRadius_m);
   sheet.radius_m = 1;  // lengths are radii
+  sheet.ring_radii = ring_radii;
   return sheet;
 }
 
@@ -63,7 +64,7 @@ MarkerField::MarkerField(const FieldOptions& options) : options_(options) {
   for (int i = 0; i < columns_ * rows_; ++i) {
     const Vec2 cell_centre((i % columns_ + 0.5) * cell_px_ - 0.5, (i / columns_ + 0.5) * cell_px_ - 0.5);
     markers_.push_back(draw_marker(cell_centre, static_cast<uint64_t>(i)));
-    sheets_.push_back({plane_of(markers_.back()), PaintedDecal(decal_of(markers_.back()))});
+    sheets_.push_back({plane_of(markers_.back()), PaintedDecal(decal_of(markers_.back(), options.ring_radii))});
   }
 }
 

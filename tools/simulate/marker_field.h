@@ -22,7 +22,8 @@ struct FieldOptions {
   double ink_grey = 25;
   double pitch = 1.75;           ///< cell size in diameters; a sheet larger than its cell is cut by the next one
   Vec2 shift_px = Vec2::Zero();  ///< of every marker: to differentiate a picture by the place of its markers
-  bool empty = false;            ///< walls and no sheets, for timing
+  RingRadii ring_radii = kBestRings;
+  bool empty = false;  ///< walls and no sheets, for timing
   uint64_t seed = 1;
 };
 

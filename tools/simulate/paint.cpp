@@ -56,7 +56,7 @@ Paint ink_of(const Decal& decal, const Vec2& local, const Mat22& footprint, doub
   static constexpr std::array<double, 4> kTwoRings = {1.0, 0.8, 0.6, 0.4};
   switch (decal.print) {
     case Print::kRings:
-      return ink_of_rings(kRingRadii, decal, local, footprint, sample_px);
+      return ink_of_rings(decal.ring_radii, decal, local, footprint, sample_px);
     case Print::kDisc:
       return ink_of_rings(kDisc, decal, local, footprint, sample_px);
     case Print::kOneRing:

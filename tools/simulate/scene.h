@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "runtime/math/types.h"
+#include "tools/common/ring_bank.h"
 
 namespace roomcal::tools {
 
-/// Radii of the printed circles in fractions of the outer one: ink inside [0], paper inside [1], and so on.
-inline constexpr std::array<double, 6> kRingRadii = {1.00, 0.85, 0.70, 0.55, 0.40, 0.25};
 inline constexpr double kSheetWidth_m = 0.210;
 inline constexpr double kSheetHeight_m = 0.297;
 inline constexpr double kMarkerRadius_m = 0.085;
@@ -28,6 +27,7 @@ struct Decal {
   double angle_rad = 0;
   Vec2 half_size = Vec2::Zero();
   double radius_m = 0;
+  RingRadii ring_radii = kBestRings;  ///< of kRings only
 };
 
 /// A wall, the floor, the ceiling, or a face of a body. Point = origin + q.x axis_u + q.y axis_v, normal = u x v,

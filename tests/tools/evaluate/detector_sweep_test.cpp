@@ -66,5 +66,15 @@ TEST(RunCells, MiddlingMarkers_AreFoundAndNearTheBound) {
   EXPECT_NEAR(cells[1].bound_rms_px() / cells[0].bound_rms_px(), std::sqrt((25 + 1.0 / 12) / (4 + 1.0 / 12)), 1e-9);
 }
 
+TEST(RunCells, ThinRings_AreSeenLessWellThanTheDefault) {
+  std::vector<std::byte> scratch;
+  CellSpec spec{15, 0, 0, 0, false};
+  const double best = run_cells(spec, {2}, 1, scratch)[0].recall();
+  spec.ring_radii = cctag3_radii(0);
+  const double thin = run_cells(spec, {2}, 1, scratch)[0].recall();
+  EXPECT_GT(best, 0.95);
+  EXPECT_LT(thin, 0.5);
+}
+
 }  // namespace
 }  // namespace roomcal::tools

@@ -32,7 +32,7 @@ Vec2 dark_centroid(const RadianceImage& image, const Vec2& around, double radius
 Vec2 true_dark_centroid(const FieldMarker& marker, const camera::Camera& camera) {
   double sum = 0, sign = 1;
   Vec2 moment = Vec2::Zero();
-  for (const double radius : kRingRadii) {
+  for (const double radius : kBestRings) {
     const CircleImage circle = circle_image(marker, camera, radius);
     sum += sign * circle.major_px * circle.minor_px;
     moment += sign * circle.major_px * circle.minor_px * circle.centre_px;
@@ -120,7 +120,7 @@ TEST(MarkerField, Pixels_AgreeWithBruteForceIntegration) {
     const Vec3 offset = ray * (normal.dot(marker.centre_cam) / normal.dot(ray)) - marker.centre_cam;
     const double r = offset.norm();
     int circles_outside = 0;
-    for (const double radius : kRingRadii) circles_outside += r < radius ? 1 : 0;
+    for (const double radius : kBestRings) circles_outside += r < radius ? 1 : 0;
     return circles_outside % 2 == 1 ? options.ink_grey : options.paper_grey;
   };
   const int x = static_cast<int>(std::lround(marker.centre_px.x())) + 3;
