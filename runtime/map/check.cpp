@@ -99,6 +99,49 @@ Status check_triangles(const flatbuffers::Vector<const fbs::Triangle*>* triangle
   return ok_status();
 }
 
+bool is_on_plane(const fbs::RoomMap& content, std::size_t plane, const fbs::Vec3f& p) {
+  if (plane >= size_of(content.planes())) return false;
+  if (!is_coordinate(p.x()) || !is_coordinate(p.y()) || !is_coordinate(p.z())) return false;
+  const fbs::Plane& stored = *content.planes()->Get(static_cast<flatbuffers::uoffset_t>(plane));
+  const fbs::Vec3d& n = *stored.normal_room();
+  return std::abs(n.x() * p.x() + n.y() * p.y() + n.z() * p.z() + stored.d_m()) <= kMaxOffPlane_m;
+}
+
+Status check_lines(const fbs::RoomMap& content) {
+  if (size_of(content.lines()) > kMaxLines) return corrupt("more lines than a map may have");
+  for (std::size_t i = 0; i < size_of(content.lines()); ++i) {
+    const fbs::Line& line = *content.lines()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (line.plane_a() >= line.plane_b()) return corrupt("a line's planes do not ascend; bake the map again");
+    for (const uint16_t plane : {line.plane_a(), line.plane_b()}) {
+      if (!is_on_plane(content, plane, line.from_room()) || !is_on_plane(content, plane, line.to_room())) {
+        return corrupt("a line does not lie on two planes of the map; bake the map again");
+      }
+    }
+  }
+  return ok_status();
+}
+
+Status check_corners(const fbs::RoomMap& content) {
+  if (size_of(content.corners()) > kMaxCorners) return corrupt("more corners than a map may have");
+  for (std::size_t i = 0; i < size_of(content.corners()); ++i) {
+    const fbs::Corner& corner = *content.corners()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (corner.plane_a() >= corner.plane_b() || corner.plane_b() >= corner.plane_c() || corner.pad() != 0) {
+      return corrupt("a corner's planes do not ascend; bake the map again");
+    }
+    for (const uint16_t plane : {corner.plane_a(), corner.plane_b(), corner.plane_c()}) {
+      if (!is_on_plane(content, plane, corner.p_room())) {
+        return corrupt("a corner does not lie on three planes of the map; bake the map again");
+      }
+    }
+  }
+  return ok_status();
+}
+
+Status check_spacing(float spacing_m) {
+  const bool fits = spacing_m == 0 || (spacing_m >= kMinSpacing_m && spacing_m <= kMaxSpacing_m);
+  return fits ? ok_status() : corrupt("the surface spacing is not finite or out of range; bake the map again");
+}
+
 Status check_ring_ratios(const flatbuffers::Vector<float>* ratios) {
   if (size_of(ratios) > kMaxRingEdges) return corrupt("more ring edges than a marker may have");
   for (std::size_t i = 0; i < size_of(ratios); ++i) {
@@ -113,6 +156,8 @@ Status check_ring_ratios(const flatbuffers::Vector<float>* ratios) {
 bool is_layout_sound(const fbs::RoomMap& content) {
   bool sound = is_aligned(content.markers(), alignof(fbs::Marker));
   sound = sound && is_aligned(content.triangles(), alignof(fbs::Triangle));
+  sound = sound && is_aligned(content.lines(), alignof(fbs::Line));
+  sound = sound && is_aligned(content.corners(), alignof(fbs::Corner));
   for (std::size_t i = 0; sound && i < size_of(content.planes()); ++i) {
     sound = is_aligned(content.planes()->Get(static_cast<flatbuffers::uoffset_t>(i))->outline_room(), alignof(float));
   }
@@ -174,6 +219,9 @@ Status check_content(const fbs::RoomMap& content) {
     ROOMCAL_TRY(check_plane(*content.planes()->Get(static_cast<flatbuffers::uoffset_t>(i))));
   }
   ROOMCAL_TRY(check_triangles(content.triangles(), markers));
+  ROOMCAL_TRY(check_lines(content));
+  ROOMCAL_TRY(check_corners(content));
+  ROOMCAL_TRY(check_spacing(content.surface_spacing_m()));
   return check_ring_ratios(content.ring_ratios());
 }
 

@@ -43,6 +43,11 @@ inline constexpr std::size_t kMaxPlanes = 256;
 inline constexpr std::size_t kMaxOutline = 256;         ///< vertices of one plane
 inline constexpr std::size_t kMaxTriangles = 1U << 20;  ///< 6 MiB
 inline constexpr std::size_t kMaxRingEdges = 16;
+inline constexpr std::size_t kMaxLines = 1024;
+inline constexpr std::size_t kMaxCorners = 1024;
+inline constexpr double kMaxOffPlane_m = 0.01;  ///< of lines and corners from the planes that meet there
+inline constexpr double kMinSpacing_m = 0.001;
+inline constexpr double kMaxSpacing_m = 10;
 inline constexpr double kMaxCoordinate_m = 1e4;  ///< beyond it, squares in float covariances lose their meaning
 inline constexpr double kMaxRadius_m = 10;
 

@@ -13,7 +13,8 @@ namespace {
 // triangles() hands out the file's structs as arrays; both are three uint16_t in a row.
 static_assert(sizeof(std::array<uint16_t, 3>) == sizeof(fbs::Triangle));
 static_assert(alignof(std::array<uint16_t, 3>) == alignof(fbs::Triangle));
-static_assert(sizeof(fbs::Marker) == 72, "frozen: a change moves kFormatVersion");
+static_assert(sizeof(fbs::Marker) == 72 && sizeof(fbs::Line) == 28 && sizeof(fbs::Corner) == 20,
+              "frozen: a change moves kFormatVersion");
 
 Vec3 to_vec3(const fbs::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 to_vec3(const fbs::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
@@ -76,6 +77,30 @@ std::size_t RoomMap::outline_size(std::size_t plane) const {
 Vec3 RoomMap::outline_vertex_room(std::size_t plane, std::size_t vertex) const {
   assert(vertex < outline_size(plane));
   return to_vec3(*plane_at(*content_, plane).outline_room()->Get(static_cast<flatbuffers::uoffset_t>(vertex)));
+}
+
+std::size_t RoomMap::line_count() const {
+  return content_ == nullptr || content_->lines() == nullptr ? 0 : content_->lines()->size();
+}
+
+MapLine RoomMap::line(std::size_t i) const {
+  assert(i < line_count());
+  const fbs::Line& stored = *content_->lines()->Get(static_cast<flatbuffers::uoffset_t>(i));
+  return {stored.plane_a(), stored.plane_b(), to_vec3(stored.from_room()), to_vec3(stored.to_room())};
+}
+
+std::size_t RoomMap::corner_count() const {
+  return content_ == nullptr || content_->corners() == nullptr ? 0 : content_->corners()->size();
+}
+
+MapCorner RoomMap::corner(std::size_t i) const {
+  assert(i < corner_count());
+  const fbs::Corner& stored = *content_->corners()->Get(static_cast<flatbuffers::uoffset_t>(i));
+  return {{stored.plane_a(), stored.plane_b(), stored.plane_c()}, to_vec3(stored.p_room())};
+}
+
+double RoomMap::surface_spacing_m() const {
+  return content_ == nullptr ? 0 : static_cast<double>(content_->surface_spacing_m());
 }
 
 std::span<const std::array<uint16_t, 3>> RoomMap::triangles() const {

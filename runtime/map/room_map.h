@@ -36,6 +36,18 @@ struct MapPlane {
   double rms_m = 0;  ///< of its markers' distances to it
 };
 
+/// Edge of the room: two planes meet from `from_room` to `to_room`.
+struct MapLine {
+  std::size_t plane_a = 0, plane_b = 0;  ///< ascending
+  Vec3 from_room = Vec3::Zero(), to_room = Vec3::Zero();
+};
+
+/// Where three planes of the room meet.
+struct MapCorner {
+  std::array<std::size_t, 3> planes{};  ///< ascending
+  Vec3 p_room = Vec3::Zero();
+};
+
 /// Read-only view of a baked room (`*.room`, FlatBuffers, schema room.fbs). Owns nothing: the bytes must outlive it.
 class RoomMap {
  public:
@@ -44,7 +56,7 @@ class RoomMap {
 
   /// Checks everything before anything is used: magic, version, sizes, both CRC-32C, FlatBuffers structure, and then
   /// the content: finite numbers, positive semi-definite covariances, unit normals, ids ascending, indices in range,
-  /// counts within the limits of format.h.
+  /// lines and corners on their planes, counts within the limits of format.h.
   ///
   /// @param bytes  aligned to 8; must outlive the view.
   /// @return kInvalidArgument (bytes not aligned), kCorrupt (truncated, damaged, not finite, inconsistent),
@@ -62,6 +74,15 @@ class RoomMap {
   /// Vertices of the plane's convex outline, counter-clockwise seen from free space; 0 if it has none.
   std::size_t outline_size(std::size_t plane) const;
   Vec3 outline_vertex_room(std::size_t plane, std::size_t vertex) const;
+
+  /// Edges and corners, stored as floats (0.3 um at 4 m); a map from before they existed has none.
+  std::size_t line_count() const;
+  MapLine line(std::size_t i) const;
+  std::size_t corner_count() const;
+  MapCorner corner(std::size_t i) const;
+
+  /// Spacing of the points that stand for the planes' surface, see sample_surface.h; 0: not recorded.
+  double surface_spacing_m() const;
 
   /// Triples of marker numbers that may be neighbours in an image; see triangle_index.h.
   std::span<const std::array<uint16_t, 3>> triangles() const;

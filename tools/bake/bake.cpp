@@ -29,7 +29,6 @@ class Baker {
     make_markers();
     settle_axes();
     complete_map(result_.data);
-    find_edges(result_.data.markers, result_.data.planes, result_.structure);
     result_.quality = measure_quality(survey_, result_.map, covariances_, bundle_options());
     summarize_residuals();
     return std::move(result_);
@@ -126,8 +125,9 @@ class Baker {
     Vec3 up = Vec3::Zero();
     for (const std::size_t v : result_.map.order) up -= result_.map.views[v].T_room_left.R.col(1);
     const Vec3 start = result_.map.views[result_.map.order.front()].T_room_left.t;
-    const SE3 T_room_survey = find_axes(result_.data.markers, planes, start, up.normalized(), result_.structure);
-    fmt::print("axes     {}\n", result_.structure.axes);
+    result_.axes = find_axes(result_.data.markers, planes, start, up.normalized());
+    const SE3& T_room_survey = result_.axes.T_room_survey;
+    fmt::print("axes     {}\n", result_.axes.description);
     const Mat33& R = T_room_survey.R;
     for (map::MapMarker& marker : result_.data.markers) {
       marker.p_room = T_room_survey * marker.p_room;

@@ -6,8 +6,8 @@
 
 #include "tools/bake/quality.h"
 #include "tools/bake/reconstruct.h"
+#include "tools/bake/room_axes.h"
 #include "tools/bake/scale.h"
-#include "tools/bake/structure.h"
 #include "tools/map/map_data.h"
 
 namespace roomcal::tools {
@@ -23,7 +23,7 @@ struct BakeResult {
   MapData data;        ///< ready for build_map(); id and time are the caller's
   Reconstruction map;  ///< in the room's frame and scale
   ReconstructSummary summary;
-  Structure structure;
+  RoomAxes axes;
   ScaleReport scale;
   std::vector<MarkerQuality> quality;  ///< one for each of data.markers
   std::array<double, 2> median_px{};   ///< length of the residuals, left and right

@@ -54,20 +54,20 @@ ordered_json planes_json(const BakeResult& result) {
                       {"d_m", plane.d_m},
                       {"rms_mm", 1e3 * plane.rms_m},
                       {"markers", members},
-                      {"floor", result.structure.floor && std::abs(plane.d_m) < 1e-3 && plane.normal_room.z() > 0.99}});
+                      {"floor", result.axes.has_floor && std::abs(plane.d_m) < 1e-3 && plane.normal_room.z() > 0.99}});
   }
   return planes;
 }
 
 ordered_json structure_json(const BakeResult& result) {
   ordered_json lines = ordered_json::array(), corners = ordered_json::array();
-  for (const RoomLine& l : result.structure.lines) {
+  for (const map::MapLine& l : result.data.lines) {
     lines.push_back(
         {{"planes", {l.plane_a, l.plane_b}}, {"from", vector_json(l.from_room)}, {"to", vector_json(l.to_room)}});
   }
-  for (const RoomCorner& c : result.structure.corners)
+  for (const map::MapCorner& c : result.data.corners)
     corners.push_back({{"planes", c.planes}, {"at", vector_json(c.p_room)}});
-  return {{"axes", result.structure.axes}, {"planes", planes_json(result)}, {"lines", lines}, {"corners", corners}};
+  return {{"axes", result.axes.description}, {"planes", planes_json(result)}, {"lines", lines}, {"corners", corners}};
 }
 
 ordered_json markers_json(const BakeResult& result) {
@@ -143,7 +143,7 @@ std::string bake_text(const Survey& survey, const StereoRig& given, const BakeRe
                         name_views(survey, r.summary.views_lost));
   }
   text += fmt::format("{} markers on {} planes, {} corners, from {} of {} pairs\n", r.data.markers.size(),
-                      r.data.planes.size(), r.structure.corners.size(), r.map.order.size(), survey.views.size());
+                      r.data.planes.size(), r.data.corners.size(), r.map.order.size(), survey.views.size());
   text += fmt::format("reprojection: median {:.3f} px left, {:.3f} px right; rms {:.3f}, {:.3f} px\n",
                       r.median_px[kLeft], r.median_px[kRight], r.rms_px[kLeft], r.rms_px[kRight]);
   text += fmt::format("marker error: {:.2f} mm expected, {:.2f} mm held out (rms, scale not counted)\n", expected_mm(r),

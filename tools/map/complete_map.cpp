@@ -4,6 +4,7 @@
 
 #include "tools/map/bake_triangles.h"
 #include "tools/map/plane_fit.h"
+#include "tools/map/structure.h"
 
 namespace roomcal::tools {
 
@@ -16,6 +17,8 @@ void complete_map(MapData& data) {
     marker.normal_room = data.planes[static_cast<std::size_t>(marker.plane)].plane.normal_room;
     marker.has_normal = marker.normal_estimated = true;
   }
+  find_structure(data);
+  data.surface_spacing_m = kSurfaceSpacing_m;
   data.triangles = bake_triangles(data.markers);
 }
 

@@ -47,6 +47,25 @@ flatbuffers::Offset<fbs::Plane> store_plane(flatbuffers::FlatBufferBuilder& buil
                                 static_cast<float>(data.plane.rms_m));
 }
 
+std::vector<fbs::Line> store_lines(const MapData& data) {
+  std::vector<fbs::Line> lines;
+  for (const map::MapLine& line : data.lines) {
+    lines.emplace_back(to_vec3f(line.from_room), to_vec3f(line.to_room), static_cast<uint16_t>(line.plane_a),
+                       static_cast<uint16_t>(line.plane_b));
+  }
+  return lines;
+}
+
+std::vector<fbs::Corner> store_corners(const MapData& data) {
+  std::vector<fbs::Corner> corners;
+  for (const map::MapCorner& corner : data.corners) {
+    const auto& [a, b, c] = corner.planes;
+    corners.emplace_back(to_vec3f(corner.p_room), static_cast<uint16_t>(a), static_cast<uint16_t>(b),
+                         static_cast<uint16_t>(c), uint16_t{0});
+  }
+  return corners;
+}
+
 void store_content(flatbuffers::FlatBufferBuilder& builder, const MapData& data) {
   std::vector<fbs::Marker> markers;
   for (const map::MapMarker& marker : data.markers) markers.push_back(to_stored(marker));
@@ -54,8 +73,12 @@ void store_content(flatbuffers::FlatBufferBuilder& builder, const MapData& data)
   for (const PlaneData& plane : data.planes) planes.push_back(store_plane(builder, plane));
   std::vector<fbs::Triangle> triangles;
   for (const auto& [a, b, c] : data.triangles) triangles.emplace_back(a, b, c);
-  const auto content = fbs::CreateRoomMapDirect(builder, data.id.c_str(), data.provenance.c_str(), &markers, &planes,
-                                                &triangles, data.ring_ratios.empty() ? nullptr : &data.ring_ratios);
+  const std::vector<fbs::Line> lines = store_lines(data);
+  const std::vector<fbs::Corner> corners = store_corners(data);
+  const auto content =
+      fbs::CreateRoomMapDirect(builder, data.id.c_str(), data.provenance.c_str(), &markers, &planes, &triangles,
+                               data.ring_ratios.empty() ? nullptr : &data.ring_ratios, lines.empty() ? nullptr : &lines,
+                               corners.empty() ? nullptr : &corners, static_cast<float>(data.surface_spacing_m));
   fbs::FinishRoomMapBuffer(builder, content);
 }
 
@@ -106,6 +129,9 @@ MapData to_map_data(const map::RoomMap& map) {
   }
   data.triangles.assign(map.triangles().begin(), map.triangles().end());
   data.ring_ratios.assign(map.ring_ratios().begin(), map.ring_ratios().end());
+  for (std::size_t i = 0; i < map.line_count(); ++i) data.lines.push_back(map.line(i));
+  for (std::size_t i = 0; i < map.corner_count(); ++i) data.corners.push_back(map.corner(i));
+  data.surface_spacing_m = map.surface_spacing_m();
   return data;
 }
 

@@ -24,6 +24,9 @@ struct MapData {
   std::vector<PlaneData> planes;
   std::vector<std::array<uint16_t, 3>> triangles;
   std::vector<float> ring_ratios;
+  std::vector<map::MapLine> lines;
+  std::vector<map::MapCorner> corners;
+  double surface_spacing_m = 0;  ///< 0: not recorded
 };
 
 }  // namespace roomcal::tools

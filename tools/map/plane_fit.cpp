@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "runtime/map/format.h"
 #include "tools/common/random.h"
+#include "tools/map/convex.h"
 
 namespace roomcal::tools {
 
@@ -126,31 +126,13 @@ void point_into_room(const std::vector<MapMarker>& markers, const Indices& membe
   }
 }
 
-/// Convex hull in the plane (Andrew's monotone chain), counter-clockwise seen from where the normal points.
+/// Convex hull of the markers' centres, counter-clockwise seen from where the normal points.
 std::vector<Vec3> outline_of(const std::vector<MapMarker>& markers, const Indices& members, const MapPlane& plane) {
-  const Vec3 u = plane.normal_room.unitOrthogonal();
-  const Vec3 v = plane.normal_room.cross(u);
+  const PlaneAxes axes(plane.normal_room, plane.d_m);
   std::vector<Vec2> points;
-  for (const std::size_t i : members) points.emplace_back(u.dot(markers[i].p_room), v.dot(markers[i].p_room));
-  const auto before = [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); };
-  std::sort(points.begin(), points.end(), before);
-  std::vector<Vec2> hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = hull.size();
-    for (const Vec2& p : points) {
-      while (hull.size() >= base + 2) {
-        const Vec2 edge = hull.back() - hull[hull.size() - 2];
-        const Vec2 turn = p - hull.back();
-        if (edge.x() * turn.y() - edge.y() * turn.x() > 0) break;
-        hull.pop_back();
-      }
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
+  for (const std::size_t i : members) points.push_back(axes.to_plane(markers[i].p_room));
   std::vector<Vec3> outline;
-  for (const Vec2& p : hull) outline.push_back(u * p.x() + v * p.y() - plane.normal_room * plane.d_m);
+  for (const Vec2& p : convex_hull(points)) outline.push_back(axes.to_room(p));
   if (outline.size() > map::kMaxOutline) outline.clear();
   return outline;
 }

@@ -20,6 +20,9 @@ TEST(RoomMap, Default_IsEmpty) {
   const RoomMap map;
   EXPECT_EQ(map.marker_count(), 0U);
   EXPECT_EQ(map.plane_count(), 0U);
+  EXPECT_EQ(map.line_count(), 0U);
+  EXPECT_EQ(map.corner_count(), 0U);
+  EXPECT_EQ(map.surface_spacing_m(), 0);
   EXPECT_TRUE(map.triangles().empty());
   EXPECT_TRUE(map.ring_ratios().empty());
   EXPECT_EQ(map.map_id(), "");
@@ -48,7 +51,7 @@ TEST(RoomMap, BuiltMap_ReadsBackWhole) {
     EXPECT_EQ(a.normal_estimated, b.normal_estimated);
     EXPECT_EQ(a.plane, b.plane);
   }
-  ASSERT_EQ(map.plane_count(), 2U);
+  ASSERT_EQ(map.plane_count(), 3U);
   EXPECT_EQ(map.plane(1).normal_room, Vec3(0.6, 0.8, 0));
   EXPECT_EQ(map.plane(1).d_m, -1.5);
   EXPECT_EQ(map.outline_size(0), 3U);
@@ -56,6 +59,14 @@ TEST(RoomMap, BuiltMap_ReadsBackWhole) {
   EXPECT_EQ(map.outline_size(1), 0U);
   ASSERT_EQ(map.triangles().size(), 2U);
   EXPECT_EQ(map.triangles()[1], (std::array<uint16_t, 3>{1, 3, 2}));
+  ASSERT_EQ(map.line_count(), 2U);
+  EXPECT_EQ(map.line(1).plane_a, 1U);
+  EXPECT_EQ(map.line(1).plane_b, 2U);
+  EXPECT_LT((map.line(1).to_room - Vec3(0.9, 1.2, 2.5)).norm(), 1e-6);
+  ASSERT_EQ(map.corner_count(), 1U);
+  EXPECT_EQ(map.corner(0).planes, (std::array<std::size_t, 3>{0, 1, 2}));
+  EXPECT_LT((map.corner(0).p_room - Vec3(0.9, 1.2, 0)).norm(), 1e-6);
+  EXPECT_EQ(map.surface_spacing_m(), 0.0625);
   ASSERT_EQ(map.ring_ratios().size(), 6U);
   EXPECT_EQ(map.ring_ratios()[5], 0.25F);
 }

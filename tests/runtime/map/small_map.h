@@ -8,7 +8,7 @@
 
 namespace roomcal::map::test {
 
-/// Four markers on a floor and one in the air, two planes, two triangles, ring ratios: every field in use.
+/// Four markers on a floor and one in the air, three planes that meet, two triangles, ring ratios: every field in use.
 inline tools::MapData small_map() {
   tools::MapData data;
   data.id = "lab";
@@ -31,6 +31,10 @@ inline tools::MapData small_map() {
   }
   data.planes.push_back({{Vec3::UnitZ(), 0, 0.001}, {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 2, 0)}});
   data.planes.push_back({{Vec3(0.6, 0.8, 0), -1.5, 0.002}, {}});
+  data.planes.push_back({{Vec3(-0.8, 0.6, 0), 0, 0.002}, {}});
+  data.lines = {{0, 1, Vec3(0.9, 1.2, 0), Vec3(0.1, 1.8, 0)}, {1, 2, Vec3(0.9, 1.2, 0), Vec3(0.9, 1.2, 2.5)}};
+  data.corners = {{{0, 1, 2}, Vec3(0.9, 1.2, 0)}};
+  data.surface_spacing_m = 0.0625;
   data.triangles = {{0, 1, 2}, {1, 3, 2}};
   data.ring_ratios = {1.0F, 0.85F, 0.7F, 0.55F, 0.4F, 0.25F};
   return data;

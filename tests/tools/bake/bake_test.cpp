@@ -47,9 +47,9 @@ TEST(Bake, WalkWithNoise_GivesTheRoomWithoutPhantoms) {
 TEST(Bake, RoomAxes_FloorAtZeroAndRoomAtPositiveCoordinates) {
   const SyntheticSurvey s = make_survey(2, 0.05);
   const BakeResult result = bake(s.survey, s.rig, {});
-  ASSERT_TRUE(result.structure.floor);
+  ASSERT_TRUE(result.axes.has_floor);
   for (const map::MapMarker& marker : result.data.markers) EXPECT_GT(marker.p_room.minCoeff(), -0.01);
-  EXPECT_GE(result.structure.corners.size(), 2U);
+  EXPECT_GE(result.data.corners.size(), 2U);
 }
 
 TEST(Bake, PairsOutOfOrderAndEmptyOnes_AreSurvivedAndNamed) {
