@@ -31,6 +31,8 @@ class Baker {
     complete_map(result_.data);
     result_.quality = measure_quality(survey_, result_.map, covariances_, bundle_options());
     summarize_residuals();
+    result_.map_quality = measure_map_quality(result_.data);
+    advise_survey();
     return std::move(result_);
   }
 
@@ -147,6 +149,23 @@ class Baker {
       const double sum = std::inner_product(lengths_px.begin(), lengths_px.end(), lengths_px.begin(), 0.0);
       result_.rms_px[side] = std::sqrt(sum / static_cast<double>(lengths_px.size()));
     }
+  }
+
+  /// Markers that hang by few stops: what the survey itself can mend.
+  void advise_survey() {
+    constexpr std::size_t kFewViews = 4;
+    std::string ids;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < result_.quality.size(); ++i) {
+      if (result_.quality[i].views >= kFewViews) continue;
+      constexpr std::size_t kNamed = 8;
+      if (count++ < kNamed) ids += fmt::format("{}{}", ids.empty() ? "" : ", ", result_.data.markers[i].id);
+    }
+    if (count == 0) return;
+    auto& advice = result_.map_quality.advice;
+    advice.insert(advice.begin(), fmt::format("walk there again: {} markers were measured from fewer than {} stops "
+                                              "(ids {}{})",
+                                              count, kFewViews, ids, count > 8 ? " ..." : ""));
   }
 
   const Survey& survey_;

@@ -9,6 +9,7 @@
 #include "tools/bake/room_axes.h"
 #include "tools/bake/scale.h"
 #include "tools/map/map_data.h"
+#include "tools/map/map_quality.h"
 
 namespace roomcal::tools {
 
@@ -26,6 +27,7 @@ struct BakeResult {
   RoomAxes axes;
   ScaleReport scale;
   std::vector<MarkerQuality> quality;  ///< one for each of data.markers
+  MapQuality map_quality;              ///< what a device will find; its advice has the survey's in front
   std::array<double, 2> median_px{};   ///< length of the residuals, left and right
   std::array<double, 2> rms_px{};
 };

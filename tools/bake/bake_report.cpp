@@ -128,6 +128,7 @@ ordered_json bake_json(const Survey& survey, const StereoRig& given, const BakeR
           {"scale", scale_json(r.scale)},
           {"stereo", {{"given", rig_json(given)}, {"used", rig_json(r.map.rig)}}},
           {"structure", structure_json(r)},
+          {"quality", map_quality_json(r.map_quality)},
           {"marker", markers_json(r)}};
 }
 
@@ -152,7 +153,7 @@ std::string bake_text(const Survey& survey, const StereoRig& given, const BakeRe
                       1e3 * r.map.rig.baseline_m());
   for (const PlaneData& plane : r.data.planes)
     text += fmt::format("plane residual {:.2f} mm\n", 1e3 * plane.plane.rms_m);
-  return text;
+  return text + map_quality_text(r.map_quality);
 }
 
 }  // namespace roomcal::tools

@@ -88,8 +88,9 @@ void run_import(const ImportArguments& arguments) {
 
 void run_info(const InfoArguments& arguments) {
   const LoadedMap loaded = load_map(arguments.map);
-  const auto description = describe_map(loaded.map, loaded.bytes.span().size());
-  fmt::print("{}", summarize_map(description));
+  const MapQuality quality = measure_map_quality(to_map_data(loaded.map));
+  const auto description = describe_map(loaded.map, loaded.bytes.span().size(), quality);
+  fmt::print("{}", summarize_map(description, quality));
   if (!arguments.json.empty()) write_atomic(arguments.json, description.dump(1) + "\n");
 }
 

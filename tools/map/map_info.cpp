@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "tools/map/map_builder.h"
-#include "tools/map/uniqueness.h"
 
 namespace roomcal::tools {
 
@@ -65,15 +64,6 @@ Json planes_of(const MapData& data) {
   return planes;
 }
 
-Json uniqueness_of(const Markers& markers) {
-  const auto found = measure_uniqueness(markers);
-  if (!found) return nullptr;
-  return {{"neighbours", found->neighbours},
-          {"worst_mm", found->worst_m * 1e3},
-          {"worst_ids", {found->worst_id, found->worst_other_id}},
-          {"median_mm", found->median_m * 1e3}};
-}
-
 std::string range_text(const Json& range, double scale, const char* unit, const char* if_none) {
   if (range.is_null()) return if_none;
   const double low = range["min"].get<double>() * scale, high = range["max"].get<double>() * scale;
@@ -91,19 +81,9 @@ std::string plane_lines(const Json& planes) {
   return lines;
 }
 
-std::string uniqueness_line(const Json& unique) {
-  if (unique.is_null()) return "  uniqueness     not measured: fewer than 18 markers\n";
-  return fmt::format(
-      "  uniqueness     places of {} markers differ by {:.1f} mm RMS at the least (ids {} and {}), {:.1f} mm in the "
-      "median;\n"
-      "                 noise near half of that makes a view of {} markers ambiguous\n",
-      unique["neighbours"].get<int>() + 1, unique["worst_mm"].get<double>(), unique["worst_ids"][0].get<uint32_t>(),
-      unique["worst_ids"][1].get<uint32_t>(), unique["median_mm"].get<double>(), unique["neighbours"].get<int>() + 1);
-}
-
 }  // namespace
 
-Json describe_map(const map::RoomMap& map, std::size_t bytes) {
+Json describe_map(const map::RoomMap& map, std::size_t bytes, const MapQuality& quality) {
   const MapData data = to_map_data(map);
   std::vector<double> radii_m, sigmas_m;
   int with_normal = 0, estimated = 0;
@@ -128,10 +108,14 @@ Json describe_map(const map::RoomMap& map, std::size_t bytes) {
           {"sigma_m", range_of(sigmas_m)},
           {"triangles", data.triangles.size()},
           {"planes", planes_of(data)},
-          {"uniqueness", uniqueness_of(data.markers)}};
+          {"lines", data.lines.size()},
+          {"corners", data.corners.size()},
+          {"surface_spacing_m", data.surface_spacing_m},
+          {"uniqueness", map_quality_json(quality)["uniqueness"]},
+          {"quality", map_quality_json(quality)}};
 }
 
-std::string summarize_map(const Json& d) {
+std::string summarize_map(const Json& d, const MapQuality& quality) {
   const auto low = d["extent_m"]["min"].get<std::vector<double>>(),
              high = d["extent_m"]["max"].get<std::vector<double>>();
   const bool exact = d["sigma_m"]["max"].get<double>() == 0;
@@ -152,7 +136,8 @@ std::string summarize_map(const Json& d) {
       fmt::format("  sigma          {}\n", exact ? "0: claims to be exact" : range_text(d["sigma_m"], 1e3, "mm", ""));
   text += fmt::format("  triangles      {}\n", d["triangles"].get<int>());
   text += fmt::format("  planes         {}\n{}", d["planes"].size(), plane_lines(d["planes"]));
-  return text + uniqueness_line(d["uniqueness"]);
+  text += fmt::format("  edges          {}, corners {}\n", d["lines"].get<int>(), d["corners"].get<int>());
+  return text + map_quality_text(quality);
 }
 
 }  // namespace roomcal::tools
