@@ -2,20 +2,6 @@
 
 namespace roomcal::calib {
 
-const char* to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kPass:
-      return "PASS";
-    case Verdict::kPassAdvise:
-      return "PASS_ADVISE";
-    case Verdict::kFailRetry:
-      return "FAIL_RETRY";
-    case Verdict::kFailService:
-      return "FAIL_SERVICE";
-  }
-  return "FAIL_SERVICE";
-}
-
 const char* to_string(Stage stage) {
   switch (stage) {
     case Stage::kDetect:

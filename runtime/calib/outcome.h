@@ -7,6 +7,7 @@
 
 #include "runtime/base/fixed_text.h"
 #include "runtime/base/fixed_vector.h"
+#include "runtime/base/verdict.h"
 #include "runtime/calib/device.h"
 #include "runtime/marker/detector.h"
 #include "runtime/pose/locate_camera.h"
@@ -14,17 +15,9 @@
 
 namespace roomcal::calib {
 
-/// Only the first two may be written to the store.
-enum class Verdict : uint8_t {
-  kPass,
-  kPassAdvise,   ///< good, and there is something that the operator should know
-  kFailRetry,    ///< the operator can mend it: light, position, obstacles
-  kFailService,  ///< it takes a person with tools: a moved camera, a wrong map
-};
-
-/// "PASS", "PASS_ADVISE", "FAIL_RETRY", "FAIL_SERVICE".
-const char* to_string(Verdict verdict);
-constexpr bool may_write(Verdict verdict) { return verdict == Verdict::kPass || verdict == Verdict::kPassAdvise; }
+using roomcal::may_write;
+using roomcal::to_string;
+using roomcal::Verdict;
 
 enum class Stage : uint8_t { kDetect, kLocate, kRefine, kJudge, kCount };
 /// "detect", "locate", "refine", "judge".
