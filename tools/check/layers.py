@@ -16,7 +16,7 @@ RUNTIME = {
     "ports": {"base"},
     "camera": {"base", "math"},
     "map": {"base", "math"},
-    "store": {"base", "math"},
+    "store": {"base", "math", "ports", "camera"},
     "marker": {"base", "math"},
     "lidar": {"base", "math"},
     "scan": {"base", "math", "map", "lidar"},
