@@ -85,6 +85,16 @@ ordered_json markers_json(const BakeResult& result) {
   return markers;
 }
 
+/// Where the left camera stood, by the order of the survey's stops.
+ordered_json path_json(const Survey& survey, const Reconstruction& map) {
+  ordered_json path = ordered_json::array();
+  for (std::size_t v = 0; v < map.views.size(); ++v) {
+    if (!map.views[v].placed) continue;
+    path.push_back({{"name", survey.views[v].name}, {"at", vector_json(map.views[v].T_room_left.t)}});
+  }
+  return path;
+}
+
 /// Root mean square over the markers that have the figure.
 template <typename Get>
 double rms_mm(const std::vector<MarkerQuality>& quality, const Get& get_m) {
@@ -129,6 +139,7 @@ ordered_json bake_json(const Survey& survey, const StereoRig& given, const BakeR
           {"stereo", {{"given", rig_json(given)}, {"used", rig_json(r.map.rig)}}},
           {"structure", structure_json(r)},
           {"quality", map_quality_json(r.map_quality)},
+          {"path", path_json(survey, r.map)},
           {"marker", markers_json(r)}};
 }
 

@@ -10,12 +10,14 @@
 #include "runtime/map/format.h"
 #include "tools/common/error.h"
 #include "tools/common/files.h"
+#include "tools/common/json_file.h"
 #include "tools/common/yaml.h"
 #include "tools/map/compare_command.h"
 #include "tools/map/complete_map.h"
 #include "tools/map/map_builder.h"
 #include "tools/map/map_import.h"
 #include "tools/map/map_info.h"
+#include "tools/map/map_report.h"
 #include "tools/map/noise.h"
 
 namespace roomcal::tools {
@@ -34,7 +36,7 @@ struct ImportArguments {
 };
 
 struct InfoArguments {
-  fs::path map, json;
+  fs::path map, json, report, bake_json;
 };
 
 struct NoiseArguments {
@@ -92,6 +94,10 @@ void run_info(const InfoArguments& arguments) {
   const auto description = describe_map(loaded.map, loaded.bytes.span().size(), quality);
   fmt::print("{}", summarize_map(description, quality));
   if (!arguments.json.empty()) write_atomic(arguments.json, description.dump(1) + "\n");
+  if (arguments.report.empty()) return;
+  const auto bake = arguments.bake_json.empty() ? nlohmann::ordered_json() : read_json(arguments.bake_json);
+  write_atomic(arguments.report, map_report(loaded.map, description, quality, bake));
+  fmt::print("{}: open it in a browser\n", arguments.report.string());
 }
 
 void run_noise(const NoiseArguments& arguments) {
@@ -121,6 +127,9 @@ void add_info(CLI::App& map) {
   CLI::App* command = map.add_subcommand("info", "Say what is inside a map and how unique its marker pattern is");
   command->add_option("map", arguments->map, "*.room")->required();
   command->add_option("--json", arguments->json, "Write the same as JSON");
+  auto* report = command->add_option("--report", arguments->report, "Write a page (HTML) that shows the map in 3-D");
+  command->add_option("--bake-json", arguments->bake_json, "What `bake --json` wrote: adds the survey to the page")
+      ->needs(report);
   command->callback([arguments] { run_info(*arguments); });
 }
 

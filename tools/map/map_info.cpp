@@ -47,11 +47,6 @@ Json extent_of(const Markers& markers) {
   return {{"min", to_json(low)}, {"max", to_json(high)}};
 }
 
-double sigma_m(const Mat33& cov_m2) {
-  const Eigen::SelfAdjointEigenSolver<Mat33> solver(cov_m2, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
-
 Json planes_of(const MapData& data) {
   Json planes = Json::array();
   for (std::size_t i = 0; i < data.planes.size(); ++i) {
@@ -83,13 +78,18 @@ std::string plane_lines(const Json& planes) {
 
 }  // namespace
 
+double largest_sigma_m(const Mat33& cov_m2) {
+  const Eigen::SelfAdjointEigenSolver<Mat33> solver(cov_m2, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
 Json describe_map(const map::RoomMap& map, std::size_t bytes, const MapQuality& quality) {
   const MapData data = to_map_data(map);
   std::vector<double> radii_m, sigmas_m;
   int with_normal = 0, estimated = 0;
   for (const map::MapMarker& marker : data.markers) {
     if (marker.has_radius) radii_m.push_back(marker.radius_m);
-    sigmas_m.push_back(sigma_m(marker.cov_m2));
+    sigmas_m.push_back(largest_sigma_m(marker.cov_m2));
     with_normal += marker.has_normal ? 1 : 0;
     estimated += marker.normal_estimated ? 1 : 0;
   }

@@ -9,6 +9,9 @@
 
 namespace roomcal::tools {
 
+/// Standard deviation along the worst axis of a position's covariance.
+double largest_sigma_m(const Mat33& cov_m2);
+
 /// What is inside a map, as `roomcal map info --json` writes it: id, content_crc32c, provenance, created_unix_s,
 /// bytes, markers, with_normal, with_estimated_normal, with_radius, extent_m {min, max}, spacing_m {min, median, max}
 /// (nearest neighbour), radius_m {min, max}, sigma_m {min, max} (largest axis of each covariance; 0: exact),
