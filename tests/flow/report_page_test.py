@@ -149,6 +149,14 @@ class ReportPage(unittest.TestCase):
         self.browser.settle()
         self.assertLess(self.camera()["distance"], 0.8 * camera["distance"])
 
+    def test_layers_can_be_hidden(self):
+        self.open()
+        for name in ("Planes", "Normals", "Survey path", "Edges, corners", "Sample looks", "1 m grid"):
+            before = self.picture()
+            self.browser.run(f"[...document.querySelectorAll('.tools label')].find((l) => l.textContent === '{name}').click()")
+            self.browser.settle()
+            self.assertNotEqual(self.picture(), before, name)
+
     def test_table_sorts_both_ways(self):
         self.open()
         self.assertEqual(self.column(0), list(range(COUNT)))
@@ -179,9 +187,10 @@ class ReportPage(unittest.TestCase):
         self.keep("light.png")
         names = self.browser.run("[...document.getElementById('scale').options].map((o) => o.textContent)")
         self.assertEqual(names, [f"Colour: {n}" for n in ("uncertainty", "held-out error", "residual", "sightings", "plane")])
-        self.browser.run("(() => { const s = document.getElementById('scale'); s.value = 1; s.dispatchEvent(new Event('change')); })()")
+        self.assertIn("9.00 mm", self.browser.run("document.querySelector('.legend').textContent"))  # sigma is one for all
+        self.browser.run("(() => { const s = document.getElementById('scale'); s.value = 4; s.dispatchEvent(new Event('change')); })()")
         self.browser.settle()
-        self.assertIn("9.00 mm", self.browser.run("document.querySelector('.legend').textContent"))
+        self.assertIn("plane 2: 20 markers", self.browser.run("document.querySelector('.legend').textContent"))
         self.assertNotEqual(self.picture(), light)
         self.browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
         self.browser.settle()
