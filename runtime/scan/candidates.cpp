@@ -1,0 +1,76 @@
+#include "runtime/scan/candidates.h"
+
+#include <algorithm>
+
+namespace roomcal::scan {
+
+namespace {
+
+constexpr double kOtherPlace = 150;      // squared distance in sigmas of the sample
+constexpr double kHopelessScore = 0.35;  // above the best score of the coarse poses
+constexpr std::size_t kMaxSettled = 28;  // an empty box has 24 places before gravity
+
+bool same_place(const Candidate& a, const Candidate& b) {
+  const Vec6 off = se3_log(a.state.T_room_lidar.inverse() * b.state.T_room_lidar);
+  return std::min(off.dot(a.information * off), off.dot(b.information * off)) < kOtherPlace;
+}
+
+}  // namespace
+
+FitShares judge(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
+  RangeSums sums;
+  gather(input.surface, sample, input.sensor, candidate.state, {1, input.sigma_m, 3, input.mute}, sums);
+  candidate.loss = mean_loss(sums);
+  candidate.mapped_loss = sums.mapped == 0 ? candidate.loss : sums.loss / sums.mapped;
+  candidate.information = condense(sums, input.sensor, candidate.state).information;
+  return shares_of(sums, input.sensor, input.sigma_m, candidate.state);
+}
+
+void CandidateSet::insert(const Candidate& candidate) {
+  auto* same = std::find_if(twins.begin(), twins.end(), [&](const Candidate& t) { return same_place(t, candidate); });
+  if (same != twins.end()) {
+    if (candidate.loss < same->loss) *same = candidate;
+  } else if (!twins.push_back(candidate) && candidate.loss < twins.back().loss) {
+    twins.back() = candidate;
+  }
+  std::sort(twins.begin(), twins.end(), [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; });
+}
+
+void CandidateSet::drop_worse(double twin_loss) {
+  if (twins.empty()) return;
+  double best_mapped = twins[0].mapped_loss;
+  for (const Candidate& twin : twins) best_mapped = std::min(best_mapped, twin.mapped_loss);
+  const double best = twins[0].loss;
+  std::size_t kept = 0;
+  for (const Candidate& twin : twins) {
+    const bool as_good = twin.loss <= best + twin_loss || twin.mapped_loss <= best_mapped + twin_loss;
+    if (as_good) twins[kept++] = twin;
+  }
+  twins.truncate(kept);
+}
+
+void CandidateSet::settle_all(std::span<const Ray> sample, const RefineInput& input, const Hypotheses& hypotheses,
+                              const AcceptanceLimits& accept, double twin_loss) {
+  twins.clear();
+  std::size_t settled = 0;
+  Candidate refused;
+  bool any_refused = false;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    if (hypothesis.score > hypotheses[0].score + kHopelessScore || settled++ == kMaxSettled) break;
+    Candidate candidate;
+    candidate.state.T_room_lidar = hypothesis.T_room_lidar;
+    settle(sample, input, candidate.state);
+    const FitShares shares = judge(sample, input, candidate);
+    if (input.prior != nullptr && !within_prior(*input.prior, candidate.state.T_room_lidar)) continue;
+    if (*why_refused(shares, accept) == '\0') {
+      insert(candidate);
+    } else if (!any_refused || candidate.loss < refused.loss) {
+      refused = candidate;
+      any_refused = true;
+    }
+  }
+  drop_worse(twin_loss);
+  if (twins.empty() && any_refused) insert(refused);  // to say why it is refused
+}
+
+}  // namespace roomcal::scan

@@ -1,0 +1,117 @@
+#include "runtime/scan/surface.h"
+
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "tests/runtime/scan/box.h"
+#include "tests/truth/random.h"
+#include "tools/map/complete_map.h"
+#include "tools/map/map_builder.h"
+#include "tools/simulate/make_room.h"
+
+namespace roomcal::scan {
+namespace {
+
+/// A map baked from the markers of a simulated room, and its surface.
+struct Baked {
+  explicit Baked(const tools::Scene& room) : scene(room) {
+    tools::MapData data;
+    data.id = "test";
+    for (const tools::SceneMarker& marker : tools::markers_of(scene)) {
+      map::MapMarker m;
+      m.id = static_cast<uint32_t>(marker.id);
+      m.p_room = marker.centre_room;
+      m.normal_room = marker.normal_room;
+      m.has_normal = true;
+      m.radius_m = marker.radius_m;
+      m.has_radius = true;
+      data.markers.push_back(m);
+    }
+    tools::complete_map(data);
+    map_bytes = tools::build_map(data);
+    const map::RoomMap map = map::RoomMap::open(std::as_const(map_bytes).span()).value();
+    arena_bytes.resize(Surface::bytes(map.plane_count(), map.marker_count()));
+    Arena arena{arena_bytes};
+    std::vector<std::byte> scratch_bytes(64 * 1024);
+    Arena scratch{scratch_bytes};
+    surface = Surface::build(map, {}, arena, scratch).value();
+  }
+
+  tools::Scene scene;
+  tools::AlignedBytes map_bytes{0};
+  std::vector<std::byte> arena_bytes;
+  Surface surface;
+};
+
+TEST(Surface, MapOfMarkersOnly_OutlinesReachTheEdgesOfTheRoom) {
+  tools::RoomOptions options;
+  options.seed = 4;
+  const Baked baked(tools::make_room(options));
+  int walls = 0;
+  for (const Face& face : baked.surface.faces()) {
+    if (std::abs(face.normal_room.z()) > 0.9) continue;
+    ++walls;
+    // Every upright edge of a wall is an edge of the room, though the nearest marker is 0.1 to 0.5 m away.
+    double low = 1e9, high = -1e9;
+    const Vec3 along = Vec3::UnitZ().cross(face.normal_room).normalized();
+    double bottom = 1e9;
+    for (const Vec3& p : baked.surface.vertices_room(face)) {
+      low = std::min(low, along.dot(p));
+      high = std::max(high, along.dot(p));
+      bottom = std::min(bottom, p.z());
+    }
+    const double width = std::abs(along.x()) > 0.7 ? 3 : 4;
+    EXPECT_NEAR(high - low, width, 0.06);
+    EXPECT_NEAR(bottom, 0, 0.03);
+  }
+  EXPECT_EQ(walls, 4);
+  EXPECT_EQ(baked.surface.prints().size(), 340U);
+}
+
+TEST(Surface, WallWithoutCeiling_EndsAtItsHighestMarker) {
+  tools::RoomOptions options;
+  options.seed = 4;
+  const Baked baked(tools::make_room(options));
+  double highest_marker = 0;
+  for (const Print& print : baked.surface.prints()) highest_marker = std::max(highest_marker, print.p_room.z());
+  for (const Face& face : baked.surface.faces()) {
+    for (const Vec3& p : baked.surface.vertices_room(face)) EXPECT_LE(p.z(), highest_marker + 0.06);
+  }
+}
+
+TEST(Surface, Vertices_GoAroundCounterClockwiseSeenFromFreeSpace) {
+  tools::RoomOptions options;
+  options.seed = 9;
+  options.pillar = true;
+  const Baked baked(tools::make_room(options));
+  for (const Face& face : baked.surface.faces()) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : baked.surface.vertices_room(face)) middle += p / face.count;
+    for (const FaceEdge& edge : baked.surface.edges(face)) EXPECT_GT(edge.inward_room.dot(middle) + edge.d_m, 0);
+  }
+}
+
+TEST(FromPolygons, PolygonsThatAreNone_AreRefused) {
+  std::vector<std::byte> bytes(1 << 16);
+  const std::vector<Vec3> line = {Vec3::Zero(), Vec3::UnitX(), 2 * Vec3::UnitX()};
+  const std::vector<Vec3> bent = {Vec3::Zero(), Vec3::UnitX(), Vec3(1, 1, 0), Vec3(0, 1, 0.5)};
+  const std::vector<Vec3> nan = {Vec3::Zero(), Vec3::UnitX(), Vec3::Constant(std::nan(""))};
+  for (const auto& vertices : {line, bent, nan}) {
+    Arena arena{bytes};
+    const Polygon polygon{vertices};
+    EXPECT_EQ(Surface::from_polygons({&polygon, 1}, {}, arena).status().code(), StatusCode::kInvalidArgument);
+  }
+  Arena arena{bytes};
+  EXPECT_EQ(Surface::from_polygons({}, {}, arena).status().code(), StatusCode::kTooFew);
+}
+
+TEST(Surface, EmptyMap_IsRefused) {
+  std::vector<std::byte> bytes(1024);
+  Arena permanent{bytes}, scratch;
+  EXPECT_EQ(Surface::build(map::RoomMap(), {}, permanent, scratch).status().code(), StatusCode::kTooFew);
+}
+
+}  // namespace
+}  // namespace roomcal::scan
