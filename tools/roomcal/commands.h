@@ -8,6 +8,7 @@
 #include "tools/device/import_command.h"
 #include "tools/evaluate/evaluate_command.h"
 #include "tools/map/map_command.h"
+#include "tools/plan/plan_command.h"
 #include "tools/sheets/sheets_command.h"
 #include "tools/simulate/simulate_command.h"
 
@@ -25,6 +26,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_evaluate_command(app, exit_code);
   add_import_command(app, exit_code);
   add_map_command(app, exit_code);
+  add_plan_command(app, exit_code);
   add_sheets_command(app);
   add_simulate_command(app, exit_code);
 }
