@@ -17,6 +17,8 @@ RUNTIME = {
     "camera": {"base", "math"},
     "map": {"base", "math"},
     "store": {"base", "math", "ports", "camera"},
+    "export": {"base", "math", "camera", "store"},
+    "console": {"base", "ports"},
     "marker": {"base", "math"},
     "lidar": {"base", "math"},
     "scan": {"base", "math", "map", "lidar"},
