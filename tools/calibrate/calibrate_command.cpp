@@ -1,5 +1,6 @@
 #include "tools/calibrate/calibrate_command.h"
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "runtime/calib/memory_plan.h"
 #include "runtime/calib/session.h"
+#include "runtime/calib/to_record.h"
 #include "tools/calibrate/outcome_json.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/runtime_device.h"
@@ -18,6 +20,7 @@
 #include "tools/common/image_io.h"
 #include "tools/common/steady_clock.h"
 #include "tools/device/device_yaml.h"
+#include "tools/export/record_file.h"
 #include "tools/map/map_builder.h"
 
 namespace roomcal::tools {
@@ -31,6 +34,7 @@ struct Options {
   std::string json_file;
   std::string draw_folder;
   std::string truth_file;
+  std::string record_file;
 };
 
 template <typename T>
@@ -39,12 +43,33 @@ T must(Result<T> result, const std::string& thing) {
   return std::move(result).value();
 }
 
+// What a device with this outcome would write first into its store.
+void write_as_device(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
+                     const std::string& file) {
+  if (!calib::may_write(outcome.verdict)) {
+    fmt::print(stderr, "roomcal: {}: not written, the verdict is {}\n", file, calib::to_string(outcome.verdict));
+    return;
+  }
+  calib::RecordContext context;
+  context.map_id = map.map_id();
+  context.map_hash = map.content_crc32c();
+  context.firmware_id = "roomcal host";
+  context.measured_unix_s = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const auto record = std::make_unique<store::Record>();
+  require(calib::to_record(outcome, device, context, *record), file);
+  record->generation = record->content_generation = 1;
+  record->written_unix_s = record->measured_unix_s;
+  write_record(file, *record);
+}
+
 void report(const Options& options, const calib::Device& device, const map::RoomMap& map, const Shot& shot,
             const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
   for (const std::string& trouble : shot.troubles) fmt::print(stderr, "roomcal: {}\n", trouble);
   print_outcome(outcome, arena_peak_bytes);
   if (!options.truth_file.empty()) print_against_truth(outcome, options.truth_file);
-  if (!options.json_file.empty()) write_atomic(options.json_file, to_json(outcome, arena_peak_bytes).dump(1) + "\n");
+  if (!options.json_file.empty())
+    write_atomic(options.json_file, to_json(outcome, device, map, arena_peak_bytes).dump(1) + "\n");
+  if (!options.record_file.empty()) write_as_device(outcome, device, map, options.record_file);
   if (!options.draw_folder.empty()) draw_outcome(outcome, device, map, shot, options.draw_folder);
 }
 
@@ -81,6 +106,8 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
   command->add_option("--shot", options->shot_folder, "folder with one image per camera, named after it")->required();
   command->add_option("--json", options->json_file, "write the result to this file");
   command->add_option("--draw", options->draw_folder, "write annotated pictures into this folder");
+  command->add_option("--record", options->record_file,
+                      "write the record that a device would store, if the verdict lets it");
   command->add_option("--truth", options->truth_file, "truth.json of a simulated shot: print errors beside sigmas");
   command->callback([options, &exit_code] { exit_code = calib::may_write(run(*options)) ? 0 : 2; });
 }

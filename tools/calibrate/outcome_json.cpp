@@ -2,6 +2,10 @@
 
 #include <string>
 
+#include <fmt/core.h>
+
+#include "tools/device/device.h"
+
 namespace roomcal::tools {
 
 using nlohmann::json;
@@ -19,8 +23,20 @@ json rows(const Matrix& m) {
   return out;
 }
 
-json sensor_json(const calib::CameraOutcome& camera) {
+json intrinsics_json(const camera::Intrinsics& k) {
+  return {{"model", to_string(k.model)},
+          {"width_px", k.width_px},
+          {"height_px", k.height_px},
+          {"fx_px", k.fx_px},
+          {"fy_px", k.fy_px},
+          {"cx_px", k.cx_px},
+          {"cy_px", k.cy_px},
+          {"distortion", k.distortion}};
+}
+
+json sensor_json(const calib::CameraOutcome& camera, const calib::CameraSpec& spec) {
   json out = {{"located", camera.located},
+              {"intrinsics", intrinsics_json(spec.camera.intrinsics())},
               {"detections", camera.usable_detections},
               {"seen", camera.detections.size()},
               {"inliers", camera.inliers.size()}};
@@ -54,10 +70,11 @@ json pairs_json(const calib::Outcome& outcome) {
 
 }  // namespace
 
-json to_json(const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
+json to_json(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
+             std::size_t arena_peak_bytes) {
   json sensors = json::object(), timing_ms = json::object();
-  for (const calib::CameraOutcome& camera : outcome.cameras)
-    sensors[std::string(camera.name.view())] = sensor_json(camera);
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+    sensors[std::string(outcome.cameras[i].name.view())] = sensor_json(outcome.cameras[i], device.cameras[i]);
   int64_t total_ns = 0;
   for (std::size_t s = 0; s < outcome.stage_ns.size(); ++s) {
     timing_ms[calib::to_string(static_cast<calib::Stage>(s))] = 1e-6 * static_cast<double>(outcome.stage_ns[s]);
@@ -74,6 +91,7 @@ json to_json(const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
   return {{"verdict", calib::to_string(outcome.verdict)},
           {"reasons", std::move(reasons)},
           {"rig_frame", std::string(outcome.cameras[outcome.reference].name.view())},
+          {"map", {{"id", std::string(map.map_id())}, {"hash", fmt::format("{:08x}", map.content_crc32c())}}},
           {"sensors", std::move(sensors)},
           {"pairs", pairs_json(outcome)},
           {"joint_fit", std::move(solution)},

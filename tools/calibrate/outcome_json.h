@@ -4,12 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/calib/device.h"
 #include "runtime/calib/outcome.h"
+#include "runtime/map/room_map.h"
 
 namespace roomcal::tools {
 
-/// The JSON of `roomcal calibrate`: verdict, reasons, rig_frame, sensors, pairs, timing_ms, arena_peak_bytes.
+/// The JSON of `roomcal calibrate`: verdict, reasons, rig_frame, map, sensors, pairs, timing_ms, arena_peak_bytes.
 /// Poses are 4x4 rows; covariance as CONVENTIONS.md says (translation m, rotation rad, right perturbation).
-nlohmann::json to_json(const calib::Outcome& outcome, std::size_t arena_peak_bytes);
+nlohmann::json to_json(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
+                       std::size_t arena_peak_bytes);
 
 }  // namespace roomcal::tools

@@ -7,6 +7,7 @@
 #include "tools/detect/detect_command.h"
 #include "tools/device/import_command.h"
 #include "tools/evaluate/evaluate_command.h"
+#include "tools/export/export_command.h"
 #include "tools/map/map_command.h"
 #include "tools/plan/plan_command.h"
 #include "tools/sheets/sheets_command.h"
@@ -24,9 +25,11 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_calibrate_command(app, exit_code);
   add_detect_command(app, exit_code);
   add_evaluate_command(app, exit_code);
+  add_export_command(app, exit_code);
   add_import_command(app, exit_code);
   add_map_command(app, exit_code);
   add_plan_command(app, exit_code);
+  add_record_command(app, exit_code);
   add_sheets_command(app);
   add_simulate_command(app, exit_code);
 }
