@@ -49,7 +49,7 @@ class Baker {
   BundleOptions bundle_options() const {
     BundleOptions bundle;
     bundle.sigma_px = result_.summary.sigma_px;
-    bundle.refine_rig = options_.reconstruct.refine_rig;
+    bundle.refine_rig = result_.summary.refined;
     bundle.given_rig = rig_;
     bundle.prior = options_.reconstruct.prior;
     return bundle;
@@ -89,7 +89,10 @@ class Baker {
     if (!options_.distances.empty()) distances = read_distances(options_.distances, survey_, result_.map, ids_);
     ScaleOptions scale;
     scale.marker_radius_m = options_.marker_radius_m;
-    if (options_.reconstruct.refine_rig) scale.baseline_sigma = options_.reconstruct.prior.baseline;
+    if (result_.summary.refined) {
+      scale.baseline_sigma = options_.reconstruct.prior.baseline;
+      scale.scale_as_given = result_.summary.scale_as_given;
+    }
     result_.scale = judge_scale(result_.map, distances, shapes_, scale);
     fmt::print("scale    {}\n", result_.scale.message);
     const double s = result_.scale.factor;

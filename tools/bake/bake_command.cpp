@@ -65,15 +65,24 @@ void add_bake_command(CLI::App& app, int& exit_code) {
   command->add_option("--json", arguments->json, "Write all figures to this file");
   command->add_option("--save-detections", arguments->detections,
                       "Write what was found in the images, to bake again without searching (*.json)");
-  command->add_flag("--refine-stereo", arguments->bake.reconstruct.refine_rig,
-                    "Refine the pair's intrinsics and extrinsics along, held by a prior about the calibration");
+  RefineRig& refine = arguments->bake.reconstruct.refine_rig;
+  CLI::Option* always = command->add_flag_callback(
+      "--refine-stereo", [&refine] { refine = RefineRig::kAlways; },
+      "Refine the pair's intrinsics and extrinsics along, held by a prior about the calibration; default: where the "
+      "images contradict it");
+  command
+      ->add_flag_callback(
+          "--hold-stereo", [&refine] { refine = RefineRig::kNever; }, "Believe the calibration as it is")
+      ->excludes(always);
   RigPrior& prior = arguments->bake.reconstruct.prior;
-  command->add_option("--focal-sigma", prior.focal, "With --refine-stereo: how far focal lengths may be off, relative")
+  command
+      ->add_option("--focal-sigma", prior.focal,
+                   "Where the calibration is refined: how far focal lengths may be off, relative")
       ->check(CLI::Range(1e-9, 0.1))
       ->capture_default_str();
   command
       ->add_option("--baseline-sigma", prior.baseline,
-                   "With --refine-stereo: how far the baseline may be off, relative")
+                   "Where the calibration is refined: how far the baseline may be off, relative")
       ->check(CLI::Range(1e-9, 0.1))
       ->capture_default_str();
   command->add_option("--distances", arguments->bake.distances,

@@ -8,10 +8,17 @@
 
 namespace roomcal::tools {
 
+/// What happens to the stereo calibration given.
+enum class RefineRig {
+  kIfContradicted,  ///< refined, held by the prior, if that makes the residuals clearly smaller; else believed as given
+  kAlways,
+  kNever
+};
+
 struct ReconstructOptions {
   TrackOptions track;
   LoopOptions loop;
-  bool refine_rig = false;
+  RefineRig refine_rig = RefineRig::kIfContradicted;
   RigPrior prior;
   std::size_t min_views = 3;  ///< a marker seen from fewer stops is left out
   int max_rounds = 8;
@@ -24,6 +31,10 @@ struct ReconstructSummary {
   std::size_t loops_joined = 0, merged = 0;
   int rounds = 0;
   std::array<double, 2> sigma_px{1, 1};
+  std::array<double, 2> sigma_held_px{1, 1};  ///< with the calibration as given
+  bool refined = false;                       ///< the calibration
+  /// Refined only: the map times this is as large as the calibration given, taken as a whole, measured it.
+  double scale_as_given = 1;
   BundleSummary bundle;
 };
 

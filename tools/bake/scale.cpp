@@ -134,6 +134,23 @@ void hint_at_sheets(ScaleReport& report) {
       1e3 * kSheetRadius_m, 1e3 * *report.marker_radius_m, std::abs(percent(factor)), factor > 1 ? "short" : "long");
 }
 
+bool looks_like_sheets(const ScaleReport& report) {
+  return report.marker_radius_m && std::abs(kSheetRadius_m / *report.marker_radius_m - 1) <= kSheetLikeness;
+}
+
+ScaleReport from_calibration(const ScaleEvidence& calibration, const ScaleOptions& options, ScaleReport report) {
+  report.source = "stereo calibration";
+  report.factor = calibration.factor;
+  report.sigma = std::max(calibration.sigma, 0.5 * std::abs(options.scale_as_given - 1));
+  report.off = std::abs(options.scale_as_given - 1) > 3 * calibration.sigma;
+  report.message = fmt::format(
+      "scale from the stereo calibration, which contradicts the images: its baseline says {:+.3f} %, all of it "
+      "together "
+      "{:+.3f} %; the mean is taken, +- {:.2f} %. Measure distances (--distances) to know better",
+      percent(1 / calibration.factor), percent(options.scale_as_given / calibration.factor), 100 * report.sigma);
+  return report;
+}
+
 }  // namespace
 
 std::vector<MeasuredDistance> read_distances(const std::filesystem::path& path, const Survey& survey,
@@ -158,15 +175,17 @@ ScaleReport judge_scale(const Reconstruction& map, const std::vector<MeasuredDis
   }
   std::vector<ScaleEvidence> all = report.evidence;
   if (all.empty()) {
-    report.sigma = options.baseline_sigma;
-    report.message = "scale from the stereo baseline given; nothing checks it";
-    if (!report.marker_radius_m) return report;
-    hint_at_sheets(report);
-    const double factor = kSheetRadius_m / *report.marker_radius_m;
-    if (options.baseline_sigma == 0 || std::abs(factor - 1) > kSheetLikeness) return report;
-    report.evidence.push_back({"sheet radius (assumed)", factor, std::hypot(kSheetSigma, kRadiusBias)});
+    if (report.marker_radius_m) hint_at_sheets(report);
+    if (options.baseline_sigma == 0) {
+      if (report.message.empty()) report.message = "scale from the stereo baseline given; nothing checks it";
+      return report;
+    }
+    const ScaleEvidence calibration{"calibration", 0.5 * (1 + options.scale_as_given), options.baseline_sigma};
+    if (!looks_like_sheets(report)) return from_calibration(calibration, options, report);
+    report.evidence.push_back(
+        {"sheet radius (assumed)", kSheetRadius_m / *report.marker_radius_m, std::hypot(kSheetSigma, kRadiusBias)});
     all = report.evidence;
-    all.push_back({"baseline", 1, options.baseline_sigma});
+    all.push_back(calibration);
   }
   const ScaleEvidence by_hand = combine(report.evidence);
   const ScaleEvidence together = combine(all);

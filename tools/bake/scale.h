@@ -37,6 +37,10 @@ struct ScaleOptions {
   /// Relative. 0: the baseline is trusted as given. Else it is under doubt: where nothing was measured by hand, markers
   /// that look like our own sheets (within 1 %) are weighed against it.
   double baseline_sigma = 0;
+  /// With a doubted baseline: ReconstructSummary::scale_as_given. A calibration's numbers are wrong together: whoever
+  /// made it looked at a target of known size, so what it measures as a whole is as good as its baseline alone. The map
+  /// is made as large as the mean of the two.
+  double scale_as_given = 1;
 };
 
 /// A distance between two markers' centres that a person measured.

@@ -10,7 +10,7 @@
 #include "tools/bake/survey_json.h"
 #include "tools/common/error.h"
 #include "tools/common/files.h"
-#include "tools/evaluate/anchor_room_file.h"
+#include "tools/map/anchor_room_file.h"
 
 namespace roomcal::tools {
 

@@ -11,6 +11,7 @@
 #include "tools/common/error.h"
 #include "tools/common/progress.h"
 #include "tools/evaluate/stereo_shot.h"
+#include "tools/map/compare.h"
 #include "tools/map/complete_map.h"
 
 namespace roomcal::tools {
@@ -20,19 +21,42 @@ constexpr double kWrong_m = 0.05;
 constexpr double kWrong_rad = deg_to_rad(1.0);
 constexpr std::size_t kStepBytes = 1 << 20;
 
-/// The room as the device would have it: planes, normals and triangles found by the importer's own code.
-MapData make_map(const AnchorRoom& room, double map_sigma_m) {
+MapData bare_map(const AnchorRoom& room) {
   MapData data;
   data.id = "anchor-room";
   for (std::size_t i = 0; i < room.point_room.size(); ++i) {
     map::MapMarker marker;
     marker.id = room.point_id[i];
     marker.p_room = room.point_room[i];
-    marker.cov_m2 = map_sigma_m * map_sigma_m * Mat33::Identity();
     data.markers.push_back(marker);
   }
+  return data;
+}
+
+/// The room as the device would have it: planes, normals and triangles found by the importer's own code.
+MapData make_map(const AnchorRoom& room) {
+  MapData data = bare_map(room);
   complete_map(data);
   return data;
+}
+
+/// The file's key-frames as if its authors had had this map: its points replaced by the map's markers, found without
+/// identities, and its poses moved along. Key points whose marker the map lacks have no point.
+AnchorRoom with_map(AnchorRoom room, const MapData& given) {
+  const auto comparison = compare_maps(given, bare_map(room));
+  if (!comparison) throw ToolError("map " + given.id + ": not of the file's room");
+  std::vector<bool> known(room.point_room.size(), false);
+  for (const auto& [in_map, in_file] : comparison->matched) {
+    room.point_room[in_file] = given.markers[in_map].p_room;
+    known[in_file] = true;
+  }
+  for (AnchorFrame& frame : room.frames) {
+    frame.T_room_left = comparison->T_a_b * frame.T_room_left;
+    for (int& point : frame.point) {
+      if (point >= 0 && !known[static_cast<std::size_t>(point)]) point = -1;
+    }
+  }
+  return room;
 }
 
 /// One thread's memory and the read-only things that all share.
@@ -179,15 +203,20 @@ void summarize_baselines(AnchorRoomReport& report) {
 
 }  // namespace
 
-AnchorRoomReport evaluate_anchor_room(const AnchorRoom& room, const AnchorRoomOptions& given) {
+AnchorRoomReport evaluate_anchor_room(const AnchorRoom& file, const AnchorRoomOptions& given,
+                                      const MapData* given_map) {
   AnchorRoomReport report;
+  const AnchorRoom room = given_map == nullptr ? file : with_map(file, *given_map);
+  report.with_given_map = given_map != nullptr;
   report.pair = fit_stereo_pair(room);
   AnchorRoomOptions options = given;
   // The median length of a two-dimensional Gaussian is 1.177 sigma.
   if (options.sigma_px <= 0)
     options.sigma_px = 0.5 * (report.pair.median_left_px + report.pair.median_right_px) / 1.177;
   report.frames.resize(room.frames.size());
-  const MapData data = make_map(room, options.map_sigma_m);
+  MapData data = given_map == nullptr ? make_map(room) : *given_map;
+  for (map::MapMarker& marker : data.markers)
+    marker.cov_m2 = options.map_sigma_m * options.map_sigma_m * Mat33::Identity();
   std::vector<std::byte> bytes(map::TriangleIndex::bytes(data.markers.size(), data.triangles.size()));
   Arena permanent(bytes);
   const Result<map::TriangleIndex> index = map::TriangleIndex::build(data.markers, data.triangles, permanent);
@@ -200,8 +229,10 @@ AnchorRoomReport evaluate_anchor_room(const AnchorRoom& room, const AnchorRoomOp
 
 bool AnchorRoomReport::passes() const {
   const double enough = 0.995 * static_cast<double>(frames_with_8_markers);
-  return static_cast<double>(located_left) >= enough && static_cast<double>(located_right) >= enough && wrong == 0 &&
-         static_cast<double>(solved) >= enough && std::abs(mean_mm - joint_mm) <= 0.1 && std_mm > 0 && std_mm <= 0.55;
+  const bool located = static_cast<double>(located_left) >= enough && static_cast<double>(located_right) >= enough &&
+                       static_cast<double>(solved) >= enough && wrong == 0;
+  if (!located || std_mm <= 0) return false;
+  return with_given_map ? std_mm < 0.45 : std_mm <= 0.55 && std::abs(mean_mm - joint_mm) <= 0.1;
 }
 
 }  // namespace roomcal::tools

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "runtime/camera/camera.h"
-#include "tools/evaluate/anchor_room_file.h"
+#include "tools/map/anchor_room_file.h"
 
 namespace roomcal::tools {
 

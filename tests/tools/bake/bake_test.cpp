@@ -95,7 +95,6 @@ TEST(Bake, WrongFocalLength_IsMendedByRefinement) {
     wrong.cameras[side] = camera::Camera::create(k).value();
   }
   BakeOptions options;
-  options.reconstruct.refine_rig = true;
   const BakeResult result = bake(s.survey, wrong, options);
   EXPECT_NEAR(result.map.rig.cameras[kLeft].intrinsics().fx_px / s.rig.cameras[kLeft].intrinsics().fx_px, 1, 3e-4);
 }

@@ -1,4 +1,4 @@
-#include "tools/evaluate/anchor_room_file.h"
+#include "tools/map/anchor_room_file.h"
 
 #include <charconv>
 #include <cmath>
