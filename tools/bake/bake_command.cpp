@@ -1,14 +1,17 @@
 #include "tools/bake/bake_command.h"
 
+#include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <fmt/core.h>
 
 #include "runtime/map/format.h"
 #include "tools/bake/bake_report.h"
+#include "tools/bake/extend.h"
 #include "tools/bake/survey_json.h"
 #include "tools/bake/survey_reader.h"
 #include "tools/common/files.h"
@@ -21,7 +24,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Arguments {
-  fs::path survey, stereo, out, json, detections;
+  fs::path survey, stereo, out, json, detections, extend;
+  std::size_t pairs = 0;
   std::string id;
   BakeOptions bake;
 };
@@ -32,18 +36,40 @@ int64_t creation_time_unix_s() {
   return fixed != nullptr ? std::strtoll(fixed, nullptr, 10) : static_cast<int64_t>(std::time(nullptr));
 }
 
-void run(const Arguments& arguments) {
-  const StereoRig rig = read_stereo_rig(arguments.stereo);
-  const Survey survey = read_survey(arguments.survey, rig);
+Survey read(const Arguments& arguments, const StereoRig& rig) {
+  Survey survey = read_survey(arguments.survey, rig);
   if (!arguments.detections.empty()) write_atomic(arguments.detections, to_survey_json(survey, rig));
+  if (arguments.pairs > 0 && arguments.pairs < survey.views.size()) survey.views.resize(arguments.pairs);
+  return survey;
+}
+
+void run(const Arguments& arguments) {
+  const auto start = std::chrono::steady_clock::now();
+  const StereoRig rig = read_stereo_rig(arguments.stereo);
+  std::optional<MapData> old;
+  if (!arguments.extend.empty()) old = to_map_data(load_map(arguments.extend).map);
+  const Survey survey = read(arguments, rig);
   BakeResult result = bake(survey, rig, arguments.bake);
-  result.data.id = arguments.id.empty() ? arguments.out.stem().string() : arguments.id;
+  nlohmann::ordered_json json = bake_json(survey, rig, result);
+  std::string text = bake_text(survey, rig, result);
+  result.data.id = arguments.out.stem().string();
   result.data.provenance = "baked from " + arguments.survey.filename().string();
+  if (old) {
+    MapChanges changes;
+    MapData extended = extend_map(*old, result, {}, changes);
+    extended.provenance = old->provenance + "; extended by a survey, " + arguments.survey.filename().string();
+    result.data = std::move(extended);
+    json["extended"] = changes_json(changes);
+    text += changes_text(changes);
+  }
+  if (!arguments.id.empty()) result.data.id = arguments.id;
   result.data.created_unix_s = creation_time_unix_s();
   const AlignedBytes bytes = build_map(result.data);
   write_atomic(arguments.out, bytes.span());
-  if (!arguments.json.empty()) write_atomic(arguments.json, bake_json(survey, rig, result).dump(1) + "\n");
-  fmt::print("{}{}: {} bytes\n", bake_text(survey, rig, result), arguments.out.string(), bytes.span().size());
+  if (!arguments.json.empty()) write_atomic(arguments.json, json.dump(1) + "\n");
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("{}{}: {} markers, {} bytes, {} pairs in {:.1f} s\n", text, arguments.out.string(),
+             result.data.markers.size(), bytes.span().size(), survey.views.size(), elapsed_s);
 }
 
 }  // namespace
@@ -92,6 +118,10 @@ void add_bake_command(CLI::App& app, int& exit_code) {
       ->add_option("--marker-radius", arguments->bake.marker_radius_m,
                    "Outer radius of the printed markers, measured, m. It decides the scale")
       ->check(CLI::Range(1e-3, map::kMaxRadius_m));
+  command->add_option("--extend", arguments->extend,
+                      "Put the survey into this map (*.room), made before the room changed: says which markers moved, "
+                      "vanished or are new; the old map keeps frame, scale and ids");
+  command->add_option("--pairs", arguments->pairs, "Use only so many pairs from the start; default: all");
   command->add_option("--id", arguments->id, "Name of the map; default: the output's name");
   command->callback([arguments] { run(*arguments); });
 }
