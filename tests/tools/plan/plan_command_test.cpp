@@ -88,7 +88,7 @@ TEST_F(PlanCommand, WallsFromAFile_KeepTheDoorFree) {
 }
 
 TEST_F(PlanCommand, TargetMissed_ExitsTwo) {
-  EXPECT_EQ(run({"--room", "2x2x2", "--target", "100", "-o", file("a.csv")}), 2);
+  EXPECT_EQ(run({"--room", "2x2x2", "--paper", "a3", "--target", "100", "-o", file("a.csv")}), 2);
   EXPECT_TRUE(fs::exists(file("a.csv")));
 }
 

@@ -23,7 +23,7 @@ PlanOptions quick(std::size_t sheets) {
 
 TEST(Plan, MoreSheets_LocateMoreLooksAndBetter) {
   const std::vector<Wall> walls = box_walls("3x3x2.5", false);
-  const Plan few = make_plan(walls, quick(40)), many = make_plan(walls, quick(160));
+  const Plan few = make_plan(walls, quick(40)), many = make_plan(walls, quick(120));
   EXPECT_EQ(few.sheets.size(), 40U);
   EXPECT_GT(many.coverage.located_share, few.coverage.located_share);
   EXPECT_LT(many.coverage.median_sigma_m, few.coverage.median_sigma_m);
@@ -44,20 +44,21 @@ TEST(Plan, NoCount_FindsTheFewestOfItsSeriesThatMeetTheTarget) {
 TEST(Plan, TargetOutOfReach_IsFullAndNotMet) {
   PlanOptions options = quick(0);
   options.target_share = 1.01;
+  options.outline.gap_m = 0.15;  // soon full
   const Plan plan = make_plan(box_walls("2x2x2", false), options);
   EXPECT_TRUE(plan.full);
   EXPECT_FALSE(plan.met);
 }
 
 TEST(Plan, LooseMap_ShowsInThePredictedSigma) {
-  const std::vector<Wall> walls = box_walls("3x3x2.5", false);
-  PlanOptions loose = quick(100);
+  const std::vector<Wall> walls = box_walls("2x2x2", false);
+  PlanOptions loose = quick(60);
   loose.map_sigma_m = 0.004;
-  EXPECT_GT(make_plan(walls, loose).coverage.median_sigma_m, 2 * make_plan(walls, quick(100)).coverage.median_sigma_m);
+  EXPECT_GT(make_plan(walls, loose).coverage.median_sigma_m, 2 * make_plan(walls, quick(60)).coverage.median_sigma_m);
 }
 
 TEST(Plan, Places_AreUnique) {
-  const Plan plan = make_plan(box_walls("3x3x2.5", false), quick(150));
+  const Plan plan = make_plan(box_walls("2x3x2", false), quick(100));
   ASSERT_TRUE(plan.uniqueness);
   EXPECT_GE(plan.uniqueness->worst_m, 0.02);
 }
