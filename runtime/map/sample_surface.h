@@ -25,8 +25,8 @@ std::size_t surface_point_count(const RoomMap& map, double spacing_m = 0);
 /// from the outlines. Deterministic; planes without outline give none.
 ///
 /// @param spacing_m  as above. @param arena  keeps the points, 16 bytes each. @param[out] points  by plane, then row.
-/// @return kInvalidArgument (a spacing out of format.h's range, or more than 20,000 rows on a plane), kOutOfMemory; `points` is empty then.
-/// Cost: linear in the points and in the outlines' vertices times rows.
+/// @return kInvalidArgument (a spacing out of format.h's range, or more than 20,000 rows on a plane), kOutOfMemory;
+/// `points` is empty then. Cost: linear in the points and in the outlines' vertices times rows.
 Status sample_surface(const RoomMap& map, double spacing_m, Arena& arena, std::span<SurfacePoint>& points);
 
 }  // namespace roomcal::map

@@ -4,6 +4,7 @@
 
 #include "tests/tools/bake/synthetic_survey.h"
 #include "tests/tools/refusal.h"
+#include "tools/bake/bake_report.h"
 #include "tools/map/compare.h"
 #include "tools/map/map_builder.h"
 
@@ -62,6 +63,11 @@ TEST(Bake, PairsOutOfOrderAndEmptyOnes_AreSurvivedAndNamed) {
   const BakeResult result = bake(s.survey, s.rig, {});
   EXPECT_EQ(result.map.order.size(), s.survey.views.size() - 1);
   EXPECT_EQ(result.summary.views_without_markers, std::vector<std::size_t>{5});
+  const auto path = bake_json(s.survey, s.rig, result)["path"];  // in the survey's order, the placed ones only
+  ASSERT_EQ(path.size(), s.survey.views.size() - 1);
+  EXPECT_EQ(path[4]["name"], s.survey.views[4].name);
+  EXPECT_EQ(path[5]["name"], s.survey.views[6].name);
+  EXPECT_EQ(path[5]["at"][2].get<double>(), result.map.views[6].T_room_left.t.z());
 }
 
 TEST(Bake, ScatteredSightings_AreNoMarkers) {
