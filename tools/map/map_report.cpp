@@ -1,6 +1,7 @@
 #include "tools/map/map_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "tools/common/error.h"
@@ -14,7 +15,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+/// A micrometre, or a millionth: more digits would only make the largest maps' pages large.
+double rounded(double value) { return std::round(1e6 * value) / 1e6; }
+
+Json to_json(const Vec3& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
 
 Json markers_of(const MapData& data) {
   Json markers = Json::array();
@@ -22,8 +26,8 @@ Json markers_of(const MapData& data) {
     markers.push_back({{"id", m.id},
                        {"p", to_json(m.p_room)},
                        {"n", m.has_normal ? to_json(m.normal_room) : Json()},
-                       {"r", m.has_radius ? Json(m.radius_m) : Json()},
-                       {"sigma_mm", 1e3 * largest_sigma_m(m.cov_m2)},
+                       {"r", m.has_radius ? Json(rounded(m.radius_m)) : Json()},
+                       {"sigma_mm", rounded(1e3 * largest_sigma_m(m.cov_m2))},
                        {"plane", m.plane}});
   }
   return markers;
@@ -59,7 +63,7 @@ Json looks_of(const Coverage& coverage) {
                      {"along", to_json(view.T_room_cam.R.col(2))},
                      {"markers", view.markers},
                      {"located", view.located},
-                     {"sigma_mm", 1e3 * view.sigma_m}});
+                     {"sigma_mm", rounded(1e3 * view.sigma_m)}});
   }
   return looks;
 }
@@ -84,6 +88,24 @@ Json list_at(const Json& node, const Json::json_pointer& where) {
   return node.is_object() && node.contains(where) && node.at(where).is_array() ? node.at(where) : Json::array();
 }
 
+/// What the page shows of a bake's figures.
+Json bake_of(const Json& bake) {
+  if (bake.is_null()) return bake;
+  Json kept{{"marker", Json::array()}};
+  for (const char* name : {"error_mm", "reprojection"}) {
+    if (bake.contains(name)) kept[name] = bake[name];
+  }
+  for (const Json& marker : bake["marker"]) {
+    Json figures;
+    for (const char* name : {"id", "held_out_mm", "rms_px", "sightings"}) {
+      if (!marker.contains(name)) continue;
+      figures[name] = marker[name].is_number_float() ? Json(rounded(marker[name].get<double>())) : marker[name];
+    }
+    if (figures.contains("id")) kept["marker"].push_back(figures);
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::string map_report(const map::RoomMap& map, const Json& description, const MapQuality& quality, const Json& bake) {
@@ -97,7 +119,7 @@ std::string map_report(const map::RoomMap& map, const Json& description, const M
                      {"path", list_at(bake, Json::json_pointer("/path"))},
                      {"looks", looks_of(quality.coverage)},
                      {"advice", quality.advice},
-                     {"bake", bake}};
+                     {"bake", bake_of(bake)}};
   return make_page(PageKind::kMap, "Room map " + description.at("id").get<std::string>(), content);
 }
 

@@ -13,7 +13,7 @@ const rows = markers.map((m) => ({ ...m, key: m.id, ...pickStatistics(statistics
 
 function pickStatistics(s) {
   if (!s) return {};
-  return { expected_mm: s.expected_mm, held_out_mm: s.held_out_mm, rms_px: s.rms_px, sightings: s.sightings, views: s.views };
+  return { held_out_mm: s.held_out_mm, rms_px: s.rms_px, sightings: s.sightings };
 }
 
 // What the discs can be coloured by.
