@@ -27,7 +27,8 @@ class MapComparer {
     match_options.slack_m = options_.slack_m;
     match_options.max_triangles = 1000;
     const auto match = match_points(points_a_, points_b_, match_options);
-    if (!match || match->pairs.size() <= match->second_best) return std::nullopt;
+    // Of two rooms, some markers always come to lie on each other; then another place has nearly as many.
+    if (!match || 2 * match->pairs.size() <= 3 * match->second_best) return std::nullopt;
     comparison_.T_a_b = match->T_a_b;
     settle();
     if (comparison_.matched.size() < 3) return std::nullopt;

@@ -1,5 +1,6 @@
 #include "tools/map/map_command.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "runtime/math/se3.h"
 #include "tests/tools/map/box_room.h"
 #include "tests/tools/refusal.h"
 #include "tools/common/files.h"
@@ -114,6 +116,38 @@ TEST_F(MapCommand, PapersRoom_ImportsWithFivePlanes) {
   EXPECT_EQ(loaded.map.marker_count(), 335U);
   EXPECT_EQ(loaded.map.plane_count(), 5U);
   for (std::size_t i = 0; i < loaded.map.marker_count(); ++i) EXPECT_TRUE(loaded.map.marker(i).normal_estimated);
+}
+
+TEST_F(MapCommand, Compare_SaysInJsonHowMapsDiffer) {
+  const MapData room = test::box_room(20, 0, 7);
+  write_csv("a.csv", room.markers);
+  std::vector<map::MapMarker> changed = room.markers;
+  const SE3 T_b_a{so3_exp({0.1, -0.2, 0.9}), Vec3(1, 2, -0.5)};
+  for (map::MapMarker& marker : changed) {
+    marker.p_room = T_b_a * marker.p_room;
+    marker.id += 1000;  // identities are not used
+  }
+  changed[3].p_room += Vec3(0.02, 0, 0);
+  changed.erase(changed.begin() + 50);
+  write_csv("b.csv", changed);
+  run({"map", "compare", file("a.csv"), file("b.csv"), "--json", file("c.json")});
+  const auto json = nlohmann::json::parse(read_text(file("c.json")));
+  EXPECT_EQ(json["matched"], 99);
+  EXPECT_NEAR(json["max_mm"].get<double>(), 20, 1);
+  EXPECT_NEAR(json["rms_mm"].get<double>(), 20 / std::sqrt(99.0), 0.2);
+  EXPECT_LT(json["mean_mm"].get<double>(), json["rms_mm"].get<double>());
+  EXPECT_NEAR(json["scale_a_b"].get<double>(), 1, 1e-3);
+  EXPECT_EQ(json["only_in_a"], nlohmann::json::array({50}));
+  EXPECT_TRUE(json["only_in_b"].empty());
+  EXPECT_EQ(json["planes"].size(), 5U);
+  for (const auto& plane : json["planes"]) EXPECT_LT(plane["angle_deg"].get<double>(), 0.2);
+}
+
+TEST_F(MapCommand, CompareOfTwoRooms_MatchesNothing) {
+  write_csv("a.csv", test::box_room(20, 0, 8).markers);
+  write_csv("b.csv", test::box_room(20, 0, 9).markers);
+  run({"map", "compare", file("a.csv"), file("b.csv"), "--json", file("c.json")});
+  EXPECT_EQ(nlohmann::json::parse(read_text(file("c.json")))["matched"], 0);
 }
 
 }  // namespace
