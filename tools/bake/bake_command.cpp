@@ -68,8 +68,9 @@ void run(const Arguments& arguments) {
   write_atomic(arguments.out, bytes.span());
   if (!arguments.json.empty()) write_atomic(arguments.json, json.dump(1) + "\n");
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{}{}: {} markers, {} bytes, {} pairs in {:.1f} s\n", text, arguments.out.string(),
-             result.data.markers.size(), bytes.span().size(), survey.views.size(), elapsed_s);
+  const double processor_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  fmt::print("{}{}: {} markers, {} bytes, {} pairs in {:.1f} s ({:.1f} s of processor)\n", text, arguments.out.string(),
+             result.data.markers.size(), bytes.span().size(), survey.views.size(), elapsed_s, processor_s);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "tools/bake/bake.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tests/tools/bake/synthetic_survey.h"
@@ -68,6 +70,40 @@ TEST(Bake, PairsOutOfOrderAndEmptyOnes_AreSurvivedAndNamed) {
   EXPECT_EQ(path[4]["name"], s.survey.views[4].name);
   EXPECT_EQ(path[5]["name"], s.survey.views[6].name);
   EXPECT_EQ(path[5]["at"][2].get<double>(), result.map.views[6].T_room_left.t.z());
+}
+
+/// Blur moves rings by pixels and hides some.
+void blur(StereoView& view, truth::Random& random) {
+  for (const Side side : kBothSides) {
+    view.seen[side].resize(view.seen[side].size() / 2);
+    for (Sighting& sighting : view.seen[side]) sighting.centre_px += 25 * random.normals<2>();
+  }
+}
+
+TEST(Bake, BlurredAndForeignPairs_AreSurvivedAndNamed) {
+  SyntheticSurvey s = make_survey(12, 0.05);
+  truth::Random random(12);
+  blur(s.survey.views[20], random);
+  blur(s.survey.views[31], random);
+  s.survey.views[40] = make_survey(13, 0.05, 2).survey.views[1];
+  const BakeResult result = bake(s.survey, s.rig, {});
+  const auto& lost = result.summary.views_lost;
+  const auto& without = result.summary.views_without_markers;
+  for (const std::size_t view : {20U, 31U, 40U}) {
+    EXPECT_EQ(std::count(lost.begin(), lost.end(), view) + std::count(without.begin(), without.end(), view), 1) << view;
+  }
+  EXPECT_EQ(result.map.order.size(), s.survey.views.size() - 3);
+  const auto comparison = compare_maps(truth_of(s), result.data);
+  ASSERT_TRUE(comparison);
+  EXPECT_EQ(comparison->matched.size(), result.data.markers.size());
+  EXPECT_LT(comparison->rms_m, 0.002);
+}
+
+TEST(Bake, PairsLostOnTheWay_LeaveAGapThatIsBridged) {
+  SyntheticSurvey s = make_survey(14, 0.05);
+  s.survey.views.erase(s.survey.views.begin() + 20, s.survey.views.begin() + 23);
+  const BakeResult result = bake(s.survey, s.rig, {});
+  EXPECT_EQ(result.map.order.size(), s.survey.views.size());
 }
 
 TEST(Bake, ScatteredSightings_AreNoMarkers) {
