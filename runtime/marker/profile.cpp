@@ -12,7 +12,16 @@ using Curve = std::array<float, kMaxSamples>;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-double ray_angle(int ray) { return 2 * kPi * (ray + 0.5) / kRays; }
+// Rays from half a step onwards, by rotation: sines and cosines of 48 angles would cost as much as the samples.
+void fill_directions(std::array<Vec2, kRays>& direction) {
+  const double step = 2 * kPi / kRays;
+  const Vec2 turn{std::cos(step), std::sin(step)};
+  direction[0] = {std::cos(step / 2), std::sin(step / 2)};
+  for (std::size_t ray = 1; ray < direction.size(); ++ray) {
+    const Vec2& last = direction[ray - 1];
+    direction[ray] = {last.x() * turn.x() - last.y() * turn.y(), last.x() * turn.y() + last.y() * turn.x()};
+  }
+}
 
 // Samples of a ray that lie inside the image, up to `limit`.
 int inside_samples(const PolarGrid& grid, int ray, int limit) {
@@ -58,7 +67,7 @@ void normalize_rays(const PolarGrid& grid, NormalizedRays& rays) {
 // Rays within 45 degrees (in the circle's own frame) of the major axis for a slanted marker, all for an upright one.
 bool is_sharp_ray(const PolarGrid& grid, int ray) {
   if (grid.A.col(1).norm() > 0.75 * grid.A.col(0).norm()) return true;
-  return std::fabs(std::cos(ray_angle(ray))) > 0.7;
+  return std::fabs(grid.direction[at(ray)].x()) > 0.7;
 }
 
 float correlation(const Curve& a, const Curve& mean, int n) {
@@ -185,38 +194,53 @@ double find_next_outer(const PolarGrid& grid, const NormalizedRays& rays, const 
   return slope > 0.1F * (*high - *low) ? grid.radius(edge) : 0;
 }
 
+// Samples [first, last] of start + j step; a ray inside the image at both ends is inside all along.
+void sample_ray(ImageView image, const Vec2& start_px, const Vec2& step_px, int first, int last, Curve& level) {
+  const float right = static_cast<float>(image.width() - 1), bottom = static_cast<float>(image.height() - 1);
+  const float x0 = static_cast<float>(start_px.x()), y0 = static_cast<float>(start_px.y());
+  const float step_x = static_cast<float>(step_px.x()), step_y = static_cast<float>(step_px.y());
+  const auto inside = [&](float x, float y) { return x >= 0 && y >= 0 && x < right && y < bottom; };
+  const auto is_inside = [&](int j) {
+    return inside(x0 + static_cast<float>(j) * step_x, y0 + static_cast<float>(j) * step_y);
+  };
+  const bool whole = is_inside(first) && is_inside(last);
+  for (int j = first; j <= last; ++j) {
+    if (!whole && !is_inside(j)) {
+      level[at(j)] = -1;
+      continue;
+    }
+    const float x = x0 + static_cast<float>(j) * step_x, y = y0 + static_cast<float>(j) * step_y;
+    const int column = static_cast<int>(x), line = static_cast<int>(y);
+    const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(line);
+    const uint8_t* top = image.row(line) + column;
+    const uint8_t* low = top + image.stride();
+    const float upper = static_cast<float>(top[0]) + fx * static_cast<float>(top[1] - top[0]);
+    const float lower = static_cast<float>(low[0]) + fx * static_cast<float>(low[1] - low[0]);
+    level[at(j)] = upper + fy * (lower - upper);
+  }
+}
+
 }  // namespace
 
-void sample_polar(ImageView image, const Ellipse& ellipse, double from, double to, PolarGrid& grid) {
+void place_grid(const Ellipse& ellipse, PolarGrid& grid) {
   const double cosine = std::cos(ellipse.angle_rad), sine = std::sin(ellipse.angle_rad);
   grid.centre_px = ellipse.centre_px;
   grid.A.col(0) = Vec2{cosine, sine} * (ellipse.major_px / 2);
   grid.A.col(1) = Vec2{-sine, cosine} * (ellipse.minor_px / 2);
-  // Half a pixel along the major axis while the buffer lasts; a small marker needs a few samples a ring all the same.
-  const double wanted = 2 * PolarGrid::kReach * grid.A.col(0).norm();
+  fill_directions(grid.direction);
+  // Two thirds of a pixel along the major axis while the buffer lasts; a small marker needs a few samples a ring all
+  // the same.
+  const double wanted = 1.5 * PolarGrid::kReach * grid.A.col(0).norm();
   grid.samples = std::clamp(static_cast<int>(wanted), 42, kMaxSamples);
   grid.spacing = PolarGrid::kReach / grid.samples;
-  const float right = static_cast<float>(image.width() - 1), bottom = static_cast<float>(image.height() - 1);
+}
+
+void sample_rays(ImageView image, double from, double to, PolarGrid& grid) {
   const int first = std::max(0, static_cast<int>(grid.sample(from)));
   const int last = std::min(grid.samples - 1, static_cast<int>(std::ceil(grid.sample(to))));
   for (int ray = 0; ray < kRays; ++ray) {
-    const Vec2 step = grid.A * Vec2{std::cos(ray_angle(ray)), std::sin(ray_angle(ray))} * grid.spacing;
-    const Vec2 start = grid.centre_px + 0.5 * step;
-    const float x0 = static_cast<float>(start.x()), y0 = static_cast<float>(start.y());
-    const float step_x = static_cast<float>(step.x()), step_y = static_cast<float>(step.y());
-    for (int j = first; j <= last; ++j) {
-      const float x = x0 + static_cast<float>(j) * step_x, y = y0 + static_cast<float>(j) * step_y;
-      float& level = grid.level[at(ray)][at(j)];
-      level = -1;
-      if (!(x >= 0 && y >= 0 && x < right && y < bottom)) continue;
-      const int column = static_cast<int>(x), line = static_cast<int>(y);
-      const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(line);
-      const uint8_t* top = image.row(line) + column;
-      const uint8_t* low = image.row(line + 1) + column;
-      const float upper = static_cast<float>(top[0]) + fx * static_cast<float>(top[1] - top[0]);
-      const float lower = static_cast<float>(low[0]) + fx * static_cast<float>(low[1] - low[0]);
-      level = upper + fy * (lower - upper);
-    }
+    const Vec2 step = grid.A * grid.direction[at(ray)] * grid.spacing;
+    sample_ray(image, grid.centre_px + 0.5 * step, step, first, last, grid.level[at(ray)]);
   }
 }
 

@@ -12,9 +12,10 @@ namespace {
 
 // Sheets are white up to about 1.2 outer radii; a little less keeps blur of what lies beyond out.
 constexpr double kFitReach = 1.15;
-constexpr int kThinnedPixels = 704;
-constexpr double kSettledChange = 0.03;  // of the size; the fit to the pixels takes it from there
-constexpr int kMaxReseeds = 2;           // an inner ring of three may have two around it
+constexpr int kThinnedPixels = 384;
+constexpr double kSettledChange = 0.03;   // of the size; the fit to the pixels takes it from there
+constexpr double kUnmovedChange = 0.015;  // of the size; the grid may stay where it is
+constexpr int kMaxReseeds = 2;            // an inner ring of three may have two around it
 
 constexpr Status refuse(const char* why) { return {StatusCode::kNotFound, why}; }
 Status out_of_scratch() { return out_of_arena("marker fit: give detect() its detector_scratch_bytes()"); }
@@ -36,13 +37,22 @@ Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
   double support = 0;
   for (const double window : {0.2, 0.12}) {
     // find_edge() looks a difference's reach beyond its window: 0.2 covers both at every size.
-    sample_polar(image, ellipse, 1 - window - 0.2, 1 + window + 0.2, grid);
+    const double from = 1 - window - 0.2, to = 1 + window + 0.2;
+    place_grid(ellipse, grid);
+    sample_rays(image, from, to, grid);
     const Ellipse before = ellipse;
     ROOMCAL_TRY(snap_to_outer_edge(grid, window, ellipse, support));
-    if (support > 0.9 && change_of(before, ellipse) < kSettledChange) break;
+    const double change = change_of(before, ellipse);
+    if (support > 0.9 && change < kUnmovedChange) {
+      sample_rays(image, 0, from, grid);
+      sample_rays(image, to, PolarGrid::kReach, grid);
+      return ok_status();
+    }
+    if (support > 0.9 && change < kSettledChange) break;
   }
   if (support < 0.5) return refuse("no closed dark-to-light edge");
-  sample_polar(image, ellipse, 0, PolarGrid::kReach, grid);
+  place_grid(ellipse, grid);
+  sample_rays(image, 0, PolarGrid::kReach, grid);
   return ok_status();
 }
 
@@ -101,18 +111,22 @@ RingModel initial_model(const Start& start) {
   return model;
 }
 
-// Standard deviation of residuals from the median of their magnitudes; never below rounding's.
-double robust_sigma(std::span<float> magnitudes) {
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return std::max(1.4826 * static_cast<double>(*middle), 0.4);
-}
-
-// Moves every fourth value to the front: a median needs no more.
-std::span<float> every_fourth(std::span<float> values) {
-  const std::size_t count = (values.size() + 3) / 4;
-  for (std::size_t i = 0; i < count; ++i) values[i] = values[4 * i];
-  return values.first(count);
+// Standard deviation of residuals from the median of their magnitudes, by counting; never below rounding's.
+double robust_sigma(std::span<const float> magnitudes) {
+  constexpr float kBinsPerGrey = 16;
+  std::array<uint16_t, 1024> bin{};  // up to 64 grey levels: a fit that is worse than that is refused anyhow
+  static_assert(kMaxRingPixels <= UINT16_MAX);
+  for (const float magnitude : magnitudes) {
+    const float place = magnitude * kBinsPerGrey;
+    ++bin[place < static_cast<float>(bin.size() - 1) ? static_cast<std::size_t>(place) : bin.size() - 1];
+  }
+  const double half = static_cast<double>(magnitudes.size()) / 2;
+  double below = 0;
+  std::size_t middle = 0;
+  for (; below + bin[middle] < half; ++middle) below += bin[middle];
+  const double median_grey =
+      (static_cast<double>(middle) + (half - below) / bin[middle]) / static_cast<double>(kBinsPerGrey);
+  return std::max(1.4826 * median_grey, 0.4);
 }
 
 // Coarse to fine: a thinned set at a scale that forgives the start, again at the noise's scale, then undamped steps on
@@ -137,7 +151,7 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   for (int step = 0; step < 4; ++step) {
     fit.tally = {};
     evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);
-    fit.noise_grey = robust_sigma(every_fourth(magnitudes));
+    fit.noise_grey = robust_sigma(magnitudes);
     add_priors(fit.model, fit.noise_grey, fit.evaluation.equations);
     fit.last_step_px = newton_step(fit.evaluation.equations, fit.model);
     if (fit.last_step_px < 0.02 * fit.model.blur_px()) break;

@@ -2,10 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 // Compiled with -fno-math-errno -fno-trapping-math (see CMakeLists.txt): plain loops over 64 floats become vector code.
 namespace roomcal::marker {
 namespace {
+
+// One source, two machine codes on x86-64, chosen when the program starts: every operation is the same IEEE one on each
+// lane and sums run over eight lanes everywhere, so both give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define ROOMCAL_VECTOR_CLONES [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
+#else
+#define ROOMCAL_VECTOR_CLONES
+#endif
 
 // Beyond this many sigma an edge is a plain step.
 constexpr float kEdgeReach = 3.2F;
@@ -155,8 +164,8 @@ float weight_of(float grey, float predicted, float residual, float inverse_scale
 
 }  // namespace
 
-void evaluate_block(const RingModel& model, const RingPixels& pixels, int first, const ResidualWeighting& weighting,
-                    RingBlock& block) {
+ROOMCAL_VECTOR_CLONES void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
+                                          const ResidualWeighting& weighting, RingBlock& block) {
   BlockGeometry g;
   measure_geometry(model, pixels, first, g, block);
   add_edges(model, g, block);
@@ -218,12 +227,14 @@ void evaluate_block(const RingModel& model, const RingPixels& pixels, int first,
 
 namespace {
 
-// Four floats on every architecture: the same sums everywhere.
-using Lanes [[gnu::vector_size(16), gnu::may_alias]] = float;
+// Eight floats on every architecture: the same sums everywhere.
+constexpr int kLanes = 8;
+using Lanes [[gnu::vector_size(kLanes * sizeof(float)), gnu::may_alias]] = float;
 
 double total(const Lanes& lanes) {
-  return (static_cast<double>(lanes[0]) + static_cast<double>(lanes[1])) +
-         (static_cast<double>(lanes[2]) + static_cast<double>(lanes[3]));
+  using Half [[gnu::vector_size(kLanes / 2 * sizeof(float))]] = float;
+  const Half half = Half{lanes[0], lanes[1], lanes[2], lanes[3]} + Half{lanes[4], lanes[5], lanes[6], lanes[7]};
+  return static_cast<double>((half[0] + half[1]) + (half[2] + half[3]));
 }
 
 const Lanes& lanes_at(const float* values) { return *reinterpret_cast<const Lanes*>(values); }
@@ -231,7 +242,7 @@ const Lanes& lanes_at(const float* values) { return *reinterpret_cast<const Lane
 // Products of three rows with three others: nine sums held in registers.
 void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels], double (&product)[3][3]) {
   Lanes sum[3][3] = {};
-  for (int i = 0; i < kBlockPixels; i += 4) {
+  for (int i = 0; i < kBlockPixels; i += kLanes) {
     const Lanes* left[3] = {reinterpret_cast<const Lanes*>(a[0] + i), reinterpret_cast<const Lanes*>(a[1] + i),
                             reinterpret_cast<const Lanes*>(a[2] + i)};
     const Lanes* right[3] = {reinterpret_cast<const Lanes*>(b[0] + i), reinterpret_cast<const Lanes*>(b[1] + i),
@@ -247,17 +258,18 @@ void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels
 
 // The spread 1 + (e / scale)^2 is the weight's inverse square root, so nothing is divided here.
 void sum_influence(const RingBlock& block, NormalEquations& equations) {
-  alignas(64) float influence[kBlockPixels + 4] = {};
+  alignas(64) float influence[kBlockPixels + kLanes] = {};
   alignas(64) float root[kBlockPixels];
   for (int i = 0; i < kBlockPixels; ++i) {
     influence[i] = block.weight[i] * block.residual[i];
     root[i] = std::sqrt(block.weight[i]);
   }
   Lanes cost = {}, weight = {}, influence2 = {}, slope = {}, neighbours = {};
-  for (int i = 0; i < kBlockPixels; i += 4) {
+  for (int i = 0; i < kBlockPixels; i += kLanes) {
     const Lanes w = lanes_at(block.weight + i), e = lanes_at(block.residual + i), q = lanes_at(root + i);
     const Lanes psi = lanes_at(influence + i);
-    const Lanes next = {influence[i + 1], influence[i + 2], influence[i + 3], influence[i + 4]};
+    Lanes next;
+    std::memcpy(&next, influence + i + 1, sizeof(next));
     cost += e * e * q;
     weight += w;
     influence2 += psi * psi;
@@ -273,7 +285,7 @@ void sum_influence(const RingBlock& block, NormalEquations& equations) {
 
 }  // namespace
 
-void accumulate(const RingBlock& block, NormalEquations& equations) {
+ROOMCAL_VECTOR_CLONES void accumulate(const RingBlock& block, NormalEquations& equations) {
   for (int a = 0; a < block.rows; a += 3) {
     for (int b = a; b < block.rows; b += 3) {
       double product[3][3];

@@ -117,6 +117,7 @@ void add_priors(const RingModel& model, double noise_grey, NormalEquations& equa
 void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
               std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation) {
   evaluation = {};
+  constexpr int kWholeTally = 16 * kBlockPixels;  // beyond, every other block tells a sector enough
   const double mean_level = model[kLight0] * (1 + model[kInk]) / 2;
   RingBlock block;
   for (int first = 0; first < pixels.count; first += kBlockPixels) {
@@ -127,7 +128,8 @@ void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWe
     if (!absolute_residual.empty()) {
       for (int i = 0; i < valid; ++i) absolute_residual[at(first + i)] = std::fabs(block.residual[i]);
     }
-    if (tally != nullptr) tally_block(block, pixels, first, mean_level, *tally);
+    const bool counts = pixels.count < kWholeTally || first / kBlockPixels % 2 == 0;
+    if (tally != nullptr && counts) tally_block(block, pixels, first, mean_level, *tally);
   }
 }
 

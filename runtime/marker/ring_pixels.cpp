@@ -174,10 +174,9 @@ Status gather_ring_pixels(ImageView image, const RingModel& model, double reach,
 }
 
 Status thin_ring_pixels(const RingPixels& pixels, int target, Arena& arena, RingPixels& thinned) {
-  const int step = std::max(1, pixels.count / target);
-  ROOMCAL_TRY(allocate_pixels((pixels.count + step - 1) / step, arena, thinned));
+  ROOMCAL_TRY(allocate_pixels(std::min(pixels.count, target), arena, thinned));
   for (int i = 0; i < thinned.count; ++i) {
-    const auto from = static_cast<std::size_t>(i * step), to = static_cast<std::size_t>(i);
+    const auto from = static_cast<std::size_t>(i * pixels.count / thinned.count), to = static_cast<std::size_t>(i);
     thinned.x[to] = pixels.x[from];
     thinned.y[to] = pixels.y[from];
     thinned.grey[to] = pixels.grey[from];

@@ -33,12 +33,14 @@ bool find_edge(const PolarGrid& grid, int ray, double window, double& rho) {
   const int reach = std::max(1, static_cast<int>(std::lround(half_rho / grid.spacing)));
   const int first = std::max(reach, static_cast<int>(grid.sample(1 - window)));
   const int last = std::min(grid.samples - 1 - reach, static_cast<int>(std::ceil(grid.sample(1 + window))));
-  const auto rise = [&](int j) { return level[at(j + reach)] - level[at(j - reach)]; };
+  std::array<float, PolarGrid::kMaxSamples> rise;
+  const int from = std::max(first - 1, reach), to = std::min(last + 1, grid.samples - 1 - reach);
+  for (int j = from; j <= to; ++j) rise[at(j)] = level[at(j + reach)] - level[at(j - reach)];
   float steepest = 6;  // grey levels: below lies noise
-  for (int j = first; j <= last; ++j) steepest = std::max(steepest, rise(j));
+  for (int j = first; j <= last; ++j) steepest = std::max(steepest, rise[at(j)]);
   double best_distance = 1e9;
-  for (int j = std::max(first, reach + 1); j <= std::min(last, grid.samples - 2 - reach); ++j) {
-    const float here = rise(j), before = rise(j - 1), after = rise(j + 1);
+  for (int j = std::max(first, from + 1); j <= std::min(last, to - 1); ++j) {
+    const float here = rise[at(j)], before = rise[at(j - 1)], after = rise[at(j + 1)];
     if (here < 0.5F * steepest || here < before || here <= after) continue;
     const float curvature = before - 2 * here + after;
     const double shift = curvature < -1e-6F ? static_cast<double>(0.5F * (before - after) / curvature) : 0;
@@ -57,8 +59,7 @@ void collect_edges(const PolarGrid& grid, double window, EdgePoints& points) {
     ++points.visible;
     double rho = 0;
     if (!find_edge(grid, ray, window, rho)) continue;
-    const double angle = 2 * kPi * (ray + 0.5) / kRays;
-    points.ray[at(ray)] = {Vec2{rho * std::cos(angle), rho * std::sin(angle)}, 1.0};
+    points.ray[at(ray)] = {rho * grid.direction[at(ray)], 1.0};
   }
 }
 
