@@ -142,7 +142,8 @@ bool has_rim(ImageView image, int x, int y, int rise, int noise_rise) {
     if (met + static_cast<int>(kCompass.size() - k) < 7) return false;
     bool light = false;
     int darkest = 255;
-    for (int i = 3; i <= (k % 2 == 0 ? 14 : 10) && !light; ++i) {
+    const bool diagonal = k % 2 != 0;
+    for (int i = diagonal ? 2 : kCircle; i <= (diagonal ? 10 : 14) && !light; ++i) {
       const int px = x + i * kCompass[k][0];
       const int py = y + i * kCompass[k][1];
       if (px < 0 || py < 0 || px >= image.width() || py >= image.height()) break;

@@ -65,42 +65,53 @@ void collect_edges(const PolarGrid& grid, double window, EdgePoints& points) {
 
 // Near-circle in the grid's frame:  q0 x^2 + q1 x y + q2 y^2 + q3 x + q4 y = 1.
 using Conic = Eigen::Matrix<double, 5, 1>;
+using Terms = std::array<double, 5>;
 
-Conic terms(const Vec2& z) {
-  Conic row;
-  row << z.x() * z.x(), z.x() * z.y(), z.y() * z.y(), z.x(), z.y();
-  return row;
-}
+Terms terms(const Vec2& z) { return {z.x() * z.x(), z.x() * z.y(), z.y() * z.y(), z.x(), z.y()}; }
 
 // Distance from the conic in units of rho, first order: the gradient of the form on a unit circle is about 2.
-double distance_from(const Conic& conic, const Vec2& z) { return (terms(z).dot(conic) - 1) / 2; }
+double distance_from(const Conic& conic, const Terms& row) {
+  double form = -1;
+  for (int i = 0; i < 5; ++i) form += row[at(i)] * conic[i];
+  return form / 2;
+}
 
-Conic weighted_conic(const EdgePoints& points) {
+Conic weighted_conic(const std::array<Terms, kRays>& rows, const EdgePoints& points) {
   // Drawn weakly towards the unit circle, so that a border-cut marker keeps a sane ellipse on its missing side.
   constexpr double kPrior = 0.02;
-  Eigen::Matrix<double, 5, 5> normal = kPrior * Eigen::Matrix<double, 5, 5>::Identity();
-  Conic target;
-  target << kPrior, 0, kPrior, 0, 0;
-  for (const EdgePoint& point : points.ray) {
-    const Conic row = terms(point.z);
-    normal += point.weight * row * row.transpose();
-    target += point.weight * row;
+  double sum[5][5] = {}, target[5] = {kPrior, 0, kPrior, 0, 0};
+  for (int i = 0; i < 5; ++i) sum[i][i] = kPrior;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const Terms& row = rows[at(ray)];
+    for (int i = 0; i < 5; ++i) {
+      const double weighted = points.ray[at(ray)].weight * row[at(i)];
+      for (int j = 0; j <= i; ++j) sum[i][j] += weighted * row[at(j)];
+      target[i] += weighted;
+    }
   }
-  return Eigen::LDLT<Eigen::Matrix<double, 5, 5>>(normal).solve(target);
+  Eigen::Matrix<double, 5, 5> normal;
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = sum[i][j];
+  }
+  return normal.ldlt().solve(Eigen::Map<const Conic>(target));
 }
 
 // Re-weighted least squares with a scale that shrinks down to `floor`. @return weight of the points that agree, in
 // points.
 double fit_conic(EdgePoints& points, double window, double floor, Conic& conic) {
-  std::array<bool, kRays> found{};
-  for (int i = 0; i < kRays; ++i) found[at(i)] = points.ray[at(i)].weight > 0;
+  std::array<Terms, kRays> rows;
+  std::array<bool, kRays> found;
+  for (int i = 0; i < kRays; ++i) {
+    rows[at(i)] = terms(points.ray[at(i)].z);
+    found[at(i)] = points.ray[at(i)].weight > 0;
+  }
   double scale = window / 2, total = 0;
   for (int round = 0; round < 5; ++round) {
-    conic = weighted_conic(points);
+    conic = weighted_conic(rows, points);
     total = 0;
     for (int i = 0; i < kRays; ++i) {
       if (!found[at(i)]) continue;
-      const double error = distance_from(conic, points.ray[at(i)].z) / scale;
+      const double error = distance_from(conic, rows[at(i)]) / scale;
       const double spread = 1 + error * error;
       points.ray[at(i)].weight = 1 / (spread * spread);
       total += points.ray[at(i)].weight;

@@ -13,7 +13,9 @@ constexpr double kMaxResidual = 0.13;
 // A ring's width must stand out of its own uncertainty by this factor.
 constexpr double kRingSignificance = 8;
 constexpr double kMinRingWidth = 0.03;     // of the outer radius; CCTag's thinnest is 0.1
-constexpr double kMinWidthOverBlur = 0.6;  // thinner rings leave a swing of a few per cent, which anything may have
+// Width over blur times the ink's depth: thinner rings leave a swing of a few per cent, which anything may have. A small
+// marker does not tell width from depth, but their product.
+constexpr double kMinSwing = 0.48;
 constexpr double kMinInnermost = 0.08;     // light disc in the middle: refuses bull's eyes with a dark one
 // A centre worse than this helps nobody; large markers under glare still do at the same share of their size.
 constexpr double kMaxCentreSigma_px = 0.15;
@@ -58,7 +60,7 @@ bool rings_are_significant(const FittedRings& fit, double major_px) {
     const double width = model.radius(edge) - inner;
     const double variance = width_variance(inverse, edge, model.edges()) * fit.noise_grey * fit.noise_grey;
     if (!(variance > 0) || width < kMinRingWidth || width < kRingSignificance * std::sqrt(variance)) return false;
-    if (width * major_px / 2 < kMinWidthOverBlur * model.blur_px()) return false;
+    if (width * major_px / 2 * (1 - model[kInk]) < kMinSwing * model.blur_px()) return false;
   }
   return model.radius(model.edges() - 1) > kMinInnermost;
 }
