@@ -22,6 +22,7 @@ Status out_of_scratch() { return out_of_arena("marker fit: give detect() its det
 
 struct Start {
   Ellipse outer;
+  Vec2 shift = Vec2::Zero();  // see PolarGrid
   RadialProfile profile;
 };
 
@@ -38,7 +39,7 @@ Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
   for (const double window : {0.2, 0.12}) {
     // find_edge() looks a difference's reach beyond its window: 0.2 covers both at every size.
     const double from = 1 - window - 0.2, to = 1 + window + 0.2;
-    place_grid(ellipse, grid);
+    place_grid(ellipse, Vec2::Zero(), grid);
     sample_rays(image, from, to, grid);
     const Ellipse before = ellipse;
     ROOMCAL_TRY(snap_to_outer_edge(grid, window, ellipse, support));
@@ -51,7 +52,7 @@ Status snap(ImageView image, PolarGrid& grid, Ellipse& ellipse) {
     if (support > 0.9 && change < kSettledChange) break;
   }
   if (support < 0.5) return refuse("no closed dark-to-light edge");
-  place_grid(ellipse, grid);
+  place_grid(ellipse, Vec2::Zero(), grid);
   sample_rays(image, 0, PolarGrid::kReach, grid);
   return ok_status();
 }
@@ -77,6 +78,21 @@ void suppose_rings(Start& start) {
   start.profile.blur_px = std::min(start.profile.blur_px, 0.9);
 }
 
+// A marker that fills much of the view has its circles' centre far from the ellipse's: rays from there disagree.
+void allow_for_perspective(ImageView image, const DetectorOptions& options, PolarGrid& grid, Start& start) {
+  constexpr double kSmallest_px = 100;  // minor axis; under it the shift is less than a ring's width in any lens
+  constexpr double kAgreed = 0.8;
+  if (start.outer.minor_px < kSmallest_px) return;
+  if (start.profile.rings >= options.min_rings && start.profile.agreement >= kAgreed) return;
+  const Vec2 shift = find_centre_shift(image, start.outer, grid);
+  place_grid(start.outer, shift, grid);
+  sample_rays(image, 0, PolarGrid::kReach, grid);
+  const RadialProfile profile = read_rings(grid, options);
+  if (profile.rings < options.min_rings || profile.agreement <= start.profile.agreement) return;
+  start.shift = shift;
+  start.profile = profile;
+}
+
 Status find_start(ImageView image, const Candidate& candidate, const DetectorOptions& options, PolarGrid& grid,
                   Start& start) {
   start.outer = candidate.outer;
@@ -90,6 +106,7 @@ Status find_start(ImageView image, const Candidate& candidate, const DetectorOpt
     if (!snap(image, grid, wider.outer).ok()) break;
     start.outer = wider.outer;
   }
+  allow_for_perspective(image, options, grid, start);
   if (start.profile.rings < options.min_rings) suppose_rings(start);
   if (start.profile.rings < options.min_rings || start.profile.rings > options.max_rings) {
     return refuse("profile shows no three to five dark rings");
@@ -100,7 +117,7 @@ Status find_start(ImageView image, const Candidate& candidate, const DetectorOpt
 }
 
 RingModel initial_model(const Start& start) {
-  RingModel model = model_from_ellipse(start.outer);
+  RingModel model = model_from_ellipse(start.outer, start.shift);
   model.rings = start.profile.rings;
   model[kLight0] = start.profile.paper;
   model[kInk] = std::clamp(start.profile.ink / start.profile.paper, 0.0, 0.95);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/LU>
+
 namespace roomcal::marker {
 namespace {
 
@@ -18,23 +20,29 @@ double RingModel::contrast() const {
   return light * (1 - value[kInk]);
 }
 
-RingModel model_from_ellipse(const Ellipse& ellipse) {
+RingModel model_from_ellipse(const Ellipse& ellipse, const Vec2& shift) {
   RingModel model;
   // A whole-pixel origin keeps the pixels' float coordinates exact.
   model.origin_px = {std::round(ellipse.centre_px.x()), std::round(ellipse.centre_px.y())};
   model.scale_px = ellipse.major_px / 2;
   const double cosine = std::cos(ellipse.angle_rad), sine = std::sin(ellipse.angle_rad);
   const double ratio = ellipse.major_px / ellipse.minor_px;
-  const double minor_weight = ratio * ratio;
-  // M = R diag(1, ratio^2) R^T = W^T W, in units of the semi-major axis.
-  const double m00 = cosine * cosine + minor_weight * sine * sine;
-  const double m01 = (1 - minor_weight) * cosine * sine;
-  const double m11 = sine * sine + minor_weight * cosine * cosine;
-  model[kShape11] = std::sqrt(m11);
-  model[kShape10] = m01 / model[kShape11];
-  model[kShape00] = std::sqrt(m00 - model[kShape10] * model[kShape10]);
-  model[kCentreX] = (ellipse.centre_px.x() - model.origin_px.x()) / model.scale_px;
-  model[kCentreY] = (ellipse.centre_px.y() - model.origin_px.y()) / model.scale_px;
+  // From units of the semi-major axis to the ellipse's frame, where it is the unit circle.
+  Mat22 B;
+  B << cosine, sine, -ratio * sine, ratio * cosine;
+  // The inverse of the homography of PolarGrid, about its own centre: W_z d / (1 + h_z . d).
+  const double rest = 1 - shift.squaredNorm();
+  const Mat22 M_z = (rest * Mat22::Identity() + shift * shift.transpose()) / (rest * rest);
+  const Vec2 h = B.transpose() * (-shift / rest);
+  const Mat22 M = B.transpose() * M_z * B;  // W^T W
+  model[kShape11] = std::sqrt(M(1, 1));
+  model[kShape10] = M(0, 1) / model[kShape11];
+  model[kShape00] = std::sqrt(M(0, 0) - model[kShape10] * model[kShape10]);
+  model[kLineX] = h.x();
+  model[kLineY] = h.y();
+  const Vec2 centre = (ellipse.centre_px - model.origin_px) / model.scale_px + B.inverse() * shift;
+  model[kCentreX] = centre.x();
+  model[kCentreY] = centre.y();
   return model;
 }
 
@@ -75,10 +83,11 @@ bool is_plausible(const RingModel& model) {
   }
   if (!(model[kShape00] > 0.3) || !(model[kShape11] > 0.3) || model[kShape00] > 30 || model[kShape11] > 30)
     return false;
-  // Perspective over one marker is mild (a slant of 75 degrees seen from four radii gives 0.24 to the rim); beyond one
-  // half the fit has run away, and pixels near the line at infinity would blow up.
-  const double reach = std::hypot(model[kLineX], model[kLineY]) / std::fmin(model[kShape00], model[kShape11]);
-  if (std::hypot(model[kLineX], model[kLineY]) > 0.6 || reach > 0.6) return false;
+  // Perspective over one marker is mild (a slant of 75 degrees seen from four radii gives 0.24 to the rim, the steepest
+  // view from two radii 0.6); beyond, the fit has run away, and pixels near the line at infinity would blow up.
+  const double across = model[kLineY] / model[kShape11];
+  const double along = (model[kLineX] - model[kShape10] * across) / model[kShape00];
+  if (std::hypot(along, across) > 0.7) return false;
   if (!(model.blur_px() > 0.25) || model[kBlur] > 0.4) return false;
   if (!(model.contrast() > 1) || model[kInk] < -0.5) return false;
   for (int edge = 0; edge < model.edges(); ++edge) {

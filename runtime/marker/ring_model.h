@@ -54,9 +54,11 @@ struct RingModel {
   double contrast() const;
 };
 
-/// The affine model (h = 0) whose outer circle is this ellipse. Light, ink, blur and radii are left for the caller.
+/// The model whose outer circle is this ellipse. Light, ink, blur and radii are left for the caller.
 /// @param ellipse  both axes > 0.
-RingModel model_from_ellipse(const Ellipse& ellipse);
+/// @param shift  of the circle's projected centre in the ellipse's frame (semi-axes as units), below 1; 0: affine, h =
+/// 0.
+RingModel model_from_ellipse(const Ellipse& ellipse, const Vec2& shift = Vec2::Zero());
 
 /// Image of the circle r = radius.
 /// @return false if it is not an ellipse (the line at infinity cuts it); `ellipse` is untouched then.

@@ -82,12 +82,14 @@ void stage_row(ImageView image, const RingModel& model, const BucketTable& table
   const float w00 = static_cast<float>(model[kShape00] / scale), w10 = static_cast<float>(model[kShape10] / scale);
   const float u0 = static_cast<float>(-model[kShape00] * model[kCentreX]);
   const float v0 = static_cast<float>(model[kShape11] * dy - model[kShape10] * model[kCentreX]);
+  const float line_step = static_cast<float>(model[kLineX] / scale);
+  const float line0 = static_cast<float>(1 + model[kLineY] * dy - model[kLineX] * model[kCentreX]);
   const uint8_t* row = image.row(y);
   uint32_t state = hash(static_cast<uint32_t>(y) * 0x9e3779b9U + static_cast<uint32_t>(x_first));
   for (int x = x_first; x <= x_last && stage.count < stage.pixel.size();) {
     const float step = static_cast<float>(x - origin_x);
-    const float u = u0 + w00 * step, v = v0 + w10 * step;
-    const int bucket = static_cast<int>((u * u + v * v) * table.per_radius2);
+    const float u = u0 + w00 * step, v = v0 + w10 * step, line = line0 + line_step * step;
+    const int bucket = static_cast<int>((u * u + v * v) / (line * line) * table.per_radius2);
     state = state * 1664525U + 1013904223U;
     const bool inside = bucket < kBuckets - 1;
     const bool wanted = inside && (table.near_edge[static_cast<std::size_t>(bucket)] || (state >> 30) == 0);
@@ -98,30 +100,53 @@ void stage_row(ImageView image, const RingModel& model, const BucketTable& table
   }
 }
 
-void stage_pixels(ImageView image, const RingModel& model, const BucketTable& table, double reach, Stage& stage) {
-  const double scale = model.scale_px;
-  const double w00 = model[kShape00], w10 = model[kShape10], w11 = model[kShape11];
-  const double determinant = w00 * w11;
-  // Half extents of |W d| <= reach: rows of W^-1.
-  const double half_height = reach * std::hypot(w10, w00) / determinant * scale;
-  const Vec2 centre = model.centre_px();
-  const double area = kPi * reach * reach * scale * scale / determinant;
-  const int stride = std::max(1, static_cast<int>(std::ceil(area / kMaxStaged)));
-  const int y_first = std::max(0, static_cast<int>(std::ceil(centre.y() - half_height)));
-  const int y_last = std::min(image.height() - 1, static_cast<int>(std::floor(centre.y() + half_height)));
-  for (int y = y_first; y <= y_last; ++y) {
-    // u = w00 dx, v = w10 dx + w11 dy: u^2 + v^2 = reach^2 solved for dx.
-    const double dy = (y - centre.y()) / scale;
-    const double a = w00 * w00 + w10 * w10, b = w10 * w11 * dy, c = w11 * w11 * dy * dy - reach * reach;
-    const double discriminant = b * b - a * c;
-    if (discriminant <= 0) continue;
+// Rows and columns of a filled ellipse.
+class EllipseSpan {
+ public:
+  explicit EllipseSpan(const Ellipse& ellipse) : centre_(ellipse.centre_px) {
+    const double cosine = std::cos(ellipse.angle_rad), sine = std::sin(ellipse.angle_rad);
+    const double p = 4 / (ellipse.major_px * ellipse.major_px), q = 4 / (ellipse.minor_px * ellipse.minor_px);
+    a_ = p * cosine * cosine + q * sine * sine;
+    b_ = (p - q) * cosine * sine;
+    c_ = p * sine * sine + q * cosine * cosine;
+  }
+
+  double half_height() const { return std::sqrt(a_ / (a_ * c_ - b_ * b_)); }
+
+  /// @return false if the row misses the ellipse.
+  bool row(double y, double& x_low, double& x_high) const {
+    const double dy = y - centre_.y();
+    const double discriminant = b_ * b_ * dy * dy - a_ * (c_ * dy * dy - 1);
+    if (discriminant <= 0) return false;
     const double root = std::sqrt(discriminant);
-    const double x_low = centre.x() + (-b - root) / a * scale, x_high = centre.x() + (-b + root) / a * scale;
+    x_low = centre_.x() + (-b_ * dy - root) / a_;
+    x_high = centre_.x() + (-b_ * dy + root) / a_;
+    return true;
+  }
+
+ private:
+  Vec2 centre_;
+  double a_, b_, c_;  // a dx^2 + 2 b dx dy + c dy^2 = 1
+};
+
+Status stage_pixels(ImageView image, const RingModel& model, const BucketTable& table, double reach, Stage& stage) {
+  Ellipse outline;
+  if (!ellipse_of_radius(model, reach, outline)) return {StatusCode::kTooFew, "marker fit: reaches the horizon"};
+  const EllipseSpan span(outline);
+  const double area = kPi / 4 * outline.major_px * outline.minor_px;
+  const int stride = std::max(1, static_cast<int>(std::ceil(area / kMaxStaged)));
+  const int y_first = std::max(0, static_cast<int>(std::ceil(outline.centre_px.y() - span.half_height())));
+  const int y_last =
+      std::min(image.height() - 1, static_cast<int>(std::floor(outline.centre_px.y() + span.half_height())));
+  for (int y = y_first; y <= y_last; ++y) {
+    double x_low = 0, x_high = 0;
+    if (!span.row(y, x_low, x_high)) continue;
     const int jitter =
         stride == 1 ? 0 : static_cast<int>(hash(static_cast<uint32_t>(y)) % static_cast<uint32_t>(stride));
     stage_row(image, model, table, y, std::max(0, static_cast<int>(std::ceil(x_low)) + jitter),
               std::min(image.width() - 1, static_cast<int>(std::floor(x_high))), stride, stage);
   }
+  return ok_status();
 }
 
 // Drops pixels at random until they fit.
@@ -160,7 +185,7 @@ Status gather_ring_pixels(ImageView image, const RingModel& model, double reach,
   Arena::Scope scope(arena);
   Stage stage{arena.allocate_uninitialized<StagedPixel>(kMaxStaged)};
   if (stage.pixel.empty()) return out_of_arena("marker fit: give detect() its detector_scratch_bytes()");
-  stage_pixels(image, model, make_table(model, reach), reach, stage);
+  ROOMCAL_TRY(stage_pixels(image, model, make_table(model, reach), reach, stage));
   thin_stage(stage);
   if (stage.count < 40) return {StatusCode::kTooFew, "marker fit: fewer than 40 pixels"};
   const auto size = static_cast<std::size_t>(padded(static_cast<int>(stage.count)));

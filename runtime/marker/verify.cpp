@@ -12,11 +12,11 @@ using Covariance = std::array<std::array<double, kMaxParameters>, kMaxParameters
 constexpr double kMaxResidual = 0.13;
 // A ring's width must stand out of its own uncertainty by this factor.
 constexpr double kRingSignificance = 8;
-constexpr double kMinRingWidth = 0.03;     // of the outer radius; CCTag's thinnest is 0.1
-// Width over blur times the ink's depth: thinner rings leave a swing of a few per cent, which anything may have. A small
-// marker does not tell width from depth, but their product.
+constexpr double kMinRingWidth = 0.03;  // of the outer radius; CCTag's thinnest is 0.1
+// Width over blur times the ink's depth: thinner rings leave a swing of a few per cent, which anything may have. A
+// small marker does not tell width from depth, but their product.
 constexpr double kMinSwing = 0.48;
-constexpr double kMinInnermost = 0.08;     // light disc in the middle: refuses bull's eyes with a dark one
+constexpr double kMinInnermost = 0.08;  // light disc in the middle: refuses bull's eyes with a dark one
 // A centre worse than this helps nobody; large markers under glare still do at the same share of their size.
 constexpr double kMaxCentreSigma_px = 0.15;
 constexpr double kMaxCentreSigmaOverSize = 0.003;

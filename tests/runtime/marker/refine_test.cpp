@@ -145,6 +145,22 @@ TEST_F(Refine, HardSizesAndSlants_StillFound) {
   }
 }
 
+// A marker that fills the view: its circles' centre is a fifth of its size from its ellipse's.
+TEST_F(Refine, NearAndSlanted_StillFound) {
+  Draw draw(7);
+  for (const Cell& cell : {Cell{300, 75, 0.2, 2, 0.8}, Cell{500, 50, 0.2, 2, 0.8}, Cell{900, 45, 0.2, 2, 1.0}}) {
+    MarkerPatch patch = patch_of(cell.diameter_px, cell.slant_deg, draw);
+    patch.blur_px = cell.blur_px;
+    patch.light_gradient = {cell.gradient, 0};
+    Detection detection;
+    const Status status = run(patch, render(patch), candidate_of(patch, 0.03, draw), detection);
+    ASSERT_TRUE(status.ok()) << status.detail() << " at " << cell.diameter_px << " px, " << cell.slant_deg;
+    EXPECT_EQ(detection.status, DetectionStatus::kOk) << cell.diameter_px << " px, " << cell.slant_deg;
+    const Vec2 error = detection.centre_px - patch.centre_px();
+    EXPECT_LT(error.dot(detection.cov_px2.inverse() * error), 25) << cell.diameter_px << " px, " << cell.slant_deg;
+  }
+}
+
 TEST_F(Refine, OtherRadii_CountedAndMeasured) {
   Draw draw(6);
   const std::vector<std::vector<double>> prints{
