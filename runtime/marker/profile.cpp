@@ -12,7 +12,7 @@ using Curve = std::array<float, kMaxSamples>;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Rays from half a step onwards, by rotation: sines and cosines of 48 angles would cost as much as the samples.
+// Rays from half a step onwards, by rotation: sines and cosines of all angles would cost as much as the samples.
 void fill_directions(std::array<Vec2, kRays>& direction) {
   const double step = 2 * kPi / kRays;
   const Vec2 turn{std::cos(step), std::sin(step)};
@@ -316,7 +316,7 @@ RadialProfile read_profile(const PolarGrid& grid, double swing) {
   average_rays(grid, rays, profile);
   result.visible = profile.visible;
   result.agreement = profile.agreement;
-  if (profile.used < 6) return result;
+  if (profile.used < kRays / 8) return result;
   result.paper = profile.paper;
   result.ink = profile.ink;
   result.next_outer_radius = find_next_outer(grid, rays, profile);

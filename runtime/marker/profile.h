@@ -13,7 +13,7 @@ namespace roomcal::marker {
 /// the ellipse's frame, and z(p) = (shift + p_along + sqrt(1 - shift^2) p_across) / (1 + shift . p) is the homography
 /// that keeps the unit circle and takes 0 there.
 struct PolarGrid {
-  static constexpr int kRays = 48;
+  static constexpr int kRays = 32;
   static constexpr int kMaxSamples = 112;
   static constexpr double kReach = 1.75;  ///< largest rho sampled
 
@@ -40,7 +40,7 @@ void sample_rays(ImageView image, double from, double to, PolarGrid& grid);
 /// Moves an ellipse onto the dark-to-light edge nearest to it (robust conic fit to one edge point a ray).
 /// @param window  largest relative distance of an edge, 0.1..0.25.
 /// @param[out] support  share of the rays inside the image whose edge agrees with the fit.
-/// @return kNotFound if fewer than 12 rays agree; `ellipse` is untouched then.
+/// @return kNotFound if fewer than a quarter of the rays agree; `ellipse` is untouched then.
 Status snap_to_outer_edge(const PolarGrid& grid, double window, Ellipse& ellipse, double& support);
 
 /// The shift at which all rays show the same rings best, for a marker so large that perspective bends it.

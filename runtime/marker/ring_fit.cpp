@@ -28,9 +28,10 @@ bool factorize(Matrix& A, int n) {
   return true;
 }
 
-void substitute(const Matrix& L, int n, Vector& b) {
-  for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < i; ++k) b[at(i)] -= L[at(i)][at(k)] * b[at(k)];
+// @param first  b is zero before it.
+void substitute(const Matrix& L, int n, Vector& b, int first = 0) {
+  for (int i = first; i < n; ++i) {
+    for (int k = first; k < i; ++k) b[at(i)] -= L[at(i)][at(k)] * b[at(k)];
     b[at(i)] /= L[at(i)][at(i)];
   }
   for (int i = n - 1; i >= 0; --i) {
@@ -195,15 +196,15 @@ double newton_step(const NormalEquations& equations, RingModel& model) {
   return std::hypot(step[kCentreX], step[kCentreY]) * model.scale_px;
 }
 
-bool invert_equations(const NormalEquations& equations, int parameters, int columns, Matrix& inverse) {
+bool invert_equations(const NormalEquations& equations, int parameters, int first, int last, Matrix& inverse) {
   Matrix A;
   Vector scale{};
   scaled_hessian(equations, parameters, 0, A, scale);
   if (!factorize(A, parameters)) return false;
-  for (int column = 0; column < columns; ++column) {
+  for (int column = first; column < last; ++column) {
     Vector unit{};
     unit[at(column)] = scale[at(column)];
-    substitute(A, parameters, unit);
+    substitute(A, parameters, unit, column);
     for (int row = 0; row < parameters; ++row) inverse[at(row)][at(column)] = unit[at(row)] * scale[at(row)];
   }
   return true;

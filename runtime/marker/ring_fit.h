@@ -37,9 +37,9 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
 double newton_step(const NormalEquations& equations, RingModel& model);
 
 /// Inverse of the normal equations: covariance per unit of noise variance (grey^2), in model units.
-/// @param columns  how many are wanted, from the first. @return false if singular. Rows of unknowns without information
-/// (a ring out of sight) are zero.
-bool invert_equations(const NormalEquations& equations, int parameters, int columns,
+/// @param first,last  columns wanted, `last` not included; others are left as they were. @return false if singular.
+/// Rows of unknowns without information (a ring out of sight) are zero.
+bool invert_equations(const NormalEquations& equations, int parameters, int first, int last,
                       std::array<std::array<double, kMaxParameters>, kMaxParameters>& inverse);
 
 }  // namespace roomcal::marker

@@ -150,7 +150,7 @@ Status snap_to_outer_edge(const PolarGrid& grid, double window, Ellipse& ellipse
   // Edge points are good to a few tenths of a pixel where blur has merged the rings.
   const double floor = std::max(0.03, 0.35 / grid.A.col(1).norm());
   const double agreeing = fit_conic(points, std::max(window, 2 * floor), floor, conic);
-  if (agreeing < 12) return {StatusCode::kNotFound, "no closed dark-to-light edge"};
+  if (agreeing < kRays / 4) return {StatusCode::kNotFound, "no closed dark-to-light edge"};
   Ellipse fitted;
   if (!to_ellipse(grid, conic, fitted)) return {StatusCode::kNotFound, "the edge is no ellipse"};
   ellipse = fitted;

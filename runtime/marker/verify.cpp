@@ -54,7 +54,7 @@ bool rings_are_significant(const FittedRings& fit, double major_px) {
   NormalEquations held = fit.evaluation.equations;
   for (const int i : {kInk, kBlur}) held.sum[at(i)][at(i)] *= 1e6;
   Covariance inverse;
-  if (!invert_equations(held, model.parameters(), model.parameters(), inverse)) return false;
+  if (!invert_equations(held, model.parameters(), kFirstRadius, model.parameters(), inverse)) return false;
   for (int edge = 0; edge < model.edges(); ++edge) {
     const double inner = edge + 1 < model.edges() ? model.radius(edge + 1) : 0.0;
     const double width = model.radius(edge) - inner;
@@ -134,7 +134,8 @@ Status verify_rings(const FittedRings& fit, double outside_share, const Detector
   const SectorShares sectors = judge_sectors(fit);
   if (sectors.good < 0.6) return refuse("too few sectors show the rings");
   Covariance inverse;
-  if (!invert_equations(fit.evaluation.equations, model.parameters(), 2, inverse)) return refuse("undetermined");
+  if (!invert_equations(fit.evaluation.equations, model.parameters(), kCentreX, kCentreY + 1, inverse))
+    return refuse("undetermined");
   if (!rings_are_significant(fit, found.ellipse.major_px)) return refuse("rings not significant");
 
   found.centre_px = model.centre_px();
