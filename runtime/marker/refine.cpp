@@ -150,6 +150,8 @@ double robust_sigma(std::span<const float> magnitudes) {
 // all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
 Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   constexpr double kTypicalNoise = 2;
+  constexpr FitStop kNear{.step_px = 0.1, .cost_ratio = 0.95, .max_iterations = 8};
+  constexpr FitStop kNearer{.step_px = 0.015, .cost_ratio = 0.995, .max_iterations = 8};  // all pixels do the rest
   constexpr double kHopelessResidual = 0.3;  // markers under shadows start at 0.15 and end below 0.13
   constexpr double kOutlierSigmas = 5;       // costs 3 % of the information of Gaussian noise
   RingPixels all, few;
@@ -160,10 +162,10 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
   if (magnitudes.empty()) return out_of_scratch();
   const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));
 
-  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, 8, fit.model);
+  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, kNear, fit.model);
   measure_residuals(fit.model, few, few_magnitudes);
   fit.noise_grey = robust_sigma(few_magnitudes);
-  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, 5, fit.model);
+  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, kNearer, fit.model);
   if (fit.noise_grey > kHopelessResidual * fit.model.contrast()) return refuse("far from any picture of rings");
   for (int step = 0; step < 4; ++step) {
     fit.tally = {};

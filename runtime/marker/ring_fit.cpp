@@ -143,16 +143,14 @@ void measure_residuals(const RingModel& model, const RingPixels& pixels, std::sp
   }
 }
 
-int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, const FitStop& stop,
               RingModel& model) {
-  // The steps on all pixels do the rest; what still moves at an even cost is blur against ink, not the centre.
-  constexpr double kDonePx = 0.015, kDoneCost = 0.995;
   RingEvaluation now, next;
   evaluate(model, pixels, weighting, {}, nullptr, now);
   add_priors(model, noise_grey, now.equations);
   double damping = 1e-3;
   int accepted = 0;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < stop.max_iterations; ++iteration) {
     Vector step{};
     if (!solve_step(now.equations, model.parameters(), damping, step)) {
       damping = std::fmax(damping, 1e-4) * 10;
@@ -169,12 +167,12 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
       damping *= 10;
       continue;
     }
-    const bool settled = next.equations.cost > kDoneCost * now.equations.cost;
+    const bool settled = next.equations.cost > stop.cost_ratio * now.equations.cost;
     model = trial;
     now = next;
     damping *= 0.1;
     ++accepted;
-    if (settled || movement_px(model, step) < kDonePx) break;
+    if (settled || movement_px(model, step) < stop.step_px) break;
   }
   return accepted;
 }

@@ -28,9 +28,16 @@ void measure_residuals(const RingModel& model, const RingPixels& pixels, std::sp
 /// Adds what is known of every marker beforehand, as observations of noise `noise_grey`.
 void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations);
 
+/// When to stop: a step is shorter than `step_px`, or leaves more than `cost_ratio` of the cost.
+struct FitStop {
+  double step_px = 0.015;
+  double cost_ratio = 0.995;  ///< what still moves at an even cost is blur against ink, not the centre
+  int max_iterations = 8;
+};
+
 /// Levenberg-Marquardt from `model`, which never leaves is_plausible().
 /// @return iterations that lowered the cost.
-int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, int max_iterations,
+int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, const FitStop& stop,
               RingModel& model);
 
 /// One undamped Gauss-Newton step. @return its length in the centre, px; negative if refused.
