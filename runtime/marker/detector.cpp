@@ -11,10 +11,18 @@ namespace {
 
 constexpr int kMinImagePx = 16;
 
-/// One marker seen twice: centres nearer than half a minor half axis. Sheets of two markers are never that close.
+bool inside(const Ellipse& e, const Vec2& point_px) {
+  const Vec2 axis(std::cos(e.angle_rad), std::sin(e.angle_rad));
+  const Vec2 d = point_px - e.centre_px;
+  const double along = 2 * d.dot(axis) / e.major_px;
+  const double across = 2 * (d.y() * axis.x() - d.x() * axis.y()) / e.minor_px;
+  return along * along + across * across < 1;
+}
+
+/// One marker seen twice, perhaps one ring off on one side: the smaller one holds the other's centre. No two sheets
+/// can.
 bool same_marker(const Detection& a, const Detection& b) {
-  const double reach_px = std::max(a.ellipse.minor_px, b.ellipse.minor_px) / 4;
-  return (a.centre_px - b.centre_px).squaredNorm() < reach_px * reach_px;
+  return a.ellipse.major_px < b.ellipse.major_px ? inside(a.ellipse, b.centre_px) : inside(b.ellipse, a.centre_px);
 }
 
 /// Usable ones first, then by size (a large marker is measured better), then by place for a defined order.

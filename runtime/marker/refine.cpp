@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime/marker/profile.h"
+#include "runtime/marker/reduce_marker.h"
 #include "runtime/marker/ring_pixels.h"
 #include "runtime/marker/verify.h"
 
@@ -146,27 +147,57 @@ double robust_sigma(std::span<const float> magnitudes) {
   return std::max(1.4826 * median_grey, 0.4);
 }
 
-// Coarse to fine: a thinned set at a scale that forgives the start, again at the noise's scale, then undamped steps on
-// all pixels: from within a tenth of the blur, one step is good to a thousandth of a pixel.
-Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
+constexpr double kHopelessResidual = 0.3;  // markers under shadows start at 0.15 and end below 0.13
+constexpr double kOutlierSigmas = 5;       // costs 3 % of the information of Gaussian noise
+
+// A thinned set at a scale that forgives the start, then again at the noise's scale.
+Status approach(ImageView image, Arena& scratch, RingPixels& all, FittedRings& fit) {
   constexpr double kTypicalNoise = 2;
   constexpr FitStop kNear{.step_px = 0.1, .cost_ratio = 0.95, .max_iterations = 8};
   constexpr FitStop kNearer{.step_px = 0.015, .cost_ratio = 0.995, .max_iterations = 8};  // all pixels do the rest
-  constexpr double kHopelessResidual = 0.3;  // markers under shadows start at 0.15 and end below 0.13
-  constexpr double kOutlierSigmas = 5;       // costs 3 % of the information of Gaussian noise
-  RingPixels all, few;
+  RingPixels few;
   ROOMCAL_TRY(gather_ring_pixels(image, fit.model, kFitReach, scratch, all));
   ROOMCAL_TRY(thin_ring_pixels(all, kThinnedPixels, scratch, few));
+  std::array<float, kThinnedPixels> store;
+  const auto magnitudes = std::span<float>(store).first(static_cast<std::size_t>(few.count));
+  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, kNear, fit.model);
+  measure_residuals(fit.model, few, magnitudes);
+  fit.noise_grey = robust_sigma(magnitudes);
+  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, kNearer, fit.model);
+  if (fit.noise_grey > kHopelessResidual * fit.model.contrast()) return refuse("far from any picture of rings");
+  return ok_status();
+}
+
+// The edges of a large marker are sharp beside its size: a fit sees them only from within a pixel or two. Where the
+// reduced picture does not help, the full one decides as it would have.
+Status approach_reduced(ImageView image, Arena& scratch, FittedRings& fit) {
+  const Arena::Scope scope(scratch);
+  ReducedMarker reduced;
+  const Status status = reduce_marker(image, fit.model, kFitReach, scratch, reduced);
+  if (status.code() == StatusCode::kOutOfMemory) return status;
+  if (!status.ok()) return ok_status();
+  FittedRings small;
+  small.model = reduced.model;
+  RingPixels pixels;
+  const Status fitted = approach(reduced.image, scratch, pixels, small);
+  if (fitted.code() == StatusCode::kOutOfMemory) return fitted;
+  if (!fitted.ok()) return ok_status();
+  reduced.model = small.model;
+  RingModel full = fit.model;
+  take_from_reduced(reduced, full);
+  if (is_plausible(full)) fit.model = full;
+  return ok_status();
+}
+
+// Coarse to fine; the last steps are undamped and on all pixels: from within a tenth of the blur, one step is good to a
+// thousandth of a pixel.
+Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
+  if (wants_reduction(fit.model)) ROOMCAL_TRY(approach_reduced(image, scratch, fit));
+  RingPixels all;
+  ROOMCAL_TRY(approach(image, scratch, all, fit));
   fit.pixels = all.count;
   const auto magnitudes = scratch.allocate_uninitialized<float>(static_cast<std::size_t>(all.count));
   if (magnitudes.empty()) return out_of_scratch();
-  const auto few_magnitudes = magnitudes.first(static_cast<std::size_t>(few.count));
-
-  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, kNear, fit.model);
-  measure_residuals(fit.model, few, few_magnitudes);
-  fit.noise_grey = robust_sigma(few_magnitudes);
-  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, kNearer, fit.model);
-  if (fit.noise_grey > kHopelessResidual * fit.model.contrast()) return refuse("far from any picture of rings");
   for (int step = 0; step < 4; ++step) {
     fit.tally = {};
     evaluate(fit.model, all, {kOutlierSigmas * fit.noise_grey}, magnitudes, &fit.tally, fit.evaluation);
@@ -196,6 +227,34 @@ double outside_share(ImageView image, const RingModel& model) {
   return static_cast<double>(outside) / kPoints;
 }
 
+// How far a curve falls and rises again, grey levels.
+float deepest_dip(std::span<const float> level) {
+  float deepest = 0, before = 0;
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    before = std::max(before, level[i]);
+    const float after = *std::max_element(level.begin() + static_cast<std::ptrdiff_t>(i), level.end());
+    deepest = std::max(deepest, std::min(before, after) - level[i]);
+  }
+  return deepest;
+}
+
+// Rings seen edge-on are resolved along the major axis only, and now and then the fit takes one ring's edge at one end
+// and the next one's at the other. Then a dark ring lies beyond that end: light, dark and light again within half a
+// radius, where the sheet's margin should be.
+bool has_ring_beyond(ImageView image, const RingModel& model, const Ellipse& ellipse, PolarGrid& grid) {
+  constexpr double kResolvedMinor_px = 12, kEdgeOn = 0.5, kDepth = 0.4, kFrom = 1.05, kTo = 1.6;
+  if (ellipse.minor_px > kResolvedMinor_px || ellipse.minor_px > kEdgeOn * ellipse.major_px) return false;
+  place_grid(ellipse, Vec2::Zero(), grid);
+  sample_rays(image, kFrom, kTo, grid);
+  const auto first = static_cast<std::size_t>(std::ceil(grid.sample(kFrom)));
+  const auto count = static_cast<std::size_t>(grid.sample(kTo)) - first;
+  for (const std::size_t end : {0, PolarGrid::kRays / 2}) {  // the first ray after the major axis, at either end
+    const auto beyond = std::span<const float>(grid.level[end]).subspan(first, count);
+    if (static_cast<double>(deepest_dip(beyond)) > kDepth * model.contrast()) return true;
+  }
+  return false;
+}
+
 bool is_sane(const Ellipse& ellipse) {
   return std::isfinite(ellipse.centre_px.x()) && std::isfinite(ellipse.centre_px.y()) &&
          std::isfinite(ellipse.angle_rad) && ellipse.minor_px > 1 && ellipse.major_px > 1 && ellipse.minor_px < 20000 &&
@@ -205,7 +264,7 @@ bool is_sane(const Ellipse& ellipse) {
 }  // namespace
 
 std::size_t refine_scratch_bytes() {
-  return ring_pixels_bytes() + kMaxRingPixels * sizeof(float) + sizeof(PolarGrid) + 1024;
+  return ring_pixels_bytes() + reduced_bytes() + kMaxRingPixels * sizeof(float) + sizeof(PolarGrid) + 1024;
 }
 
 Status refine(ImageView image, const Candidate& candidate, const DetectorOptions& options, Arena& scratch,
@@ -222,7 +281,12 @@ Status refine(ImageView image, const Candidate& candidate, const DetectorOptions
   if (const Status fitted = fit_pixels(image, scratch, fit); !fitted.ok()) {
     return fitted.code() == StatusCode::kTooFew ? refuse(fitted.detail()) : fitted;
   }
-  return verify_rings(fit, outside_share(image, fit.model), options, detection);
+  Detection found;
+  ROOMCAL_TRY(verify_rings(fit, outside_share(image, fit.model), options, found));
+  if (found.status == DetectionStatus::kOk && has_ring_beyond(image, fit.model, found.ellipse, grid[0]))
+    found.status = DetectionStatus::kUnstable;
+  detection = found;
+  return ok_status();
 }
 
 }  // namespace roomcal::marker
