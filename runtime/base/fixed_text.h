@@ -24,6 +24,7 @@ class FixedText {
   void clear() { size_ = 0; }
   std::string_view view() const { return {chars_.data(), size_}; }
   bool empty() const { return size_ == 0; }
+  static constexpr std::size_t capacity() { return kCapacity; }
 
  private:
   std::array<char, kCapacity> chars_{};
