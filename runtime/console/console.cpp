@@ -70,6 +70,7 @@ void Console::take(LineEvent event, int64_t now_ns) {
   if (event == LineEvent::kComplete) return offer_completions();
   static_cast<void>(gate_.lapse(now_ns));
   update_prompt();
+  if (editor_.is_json() && !json_ && greeted_) send("\n");  // leaves the prompt's line to the person's terminal
   greeted_ = true;
   json_ = editor_.is_json();
   Request request;

@@ -67,7 +67,7 @@ LineEvent LineEditor::feed_plain(unsigned char byte, TextWriter& echo) {
   if (byte == control('I')) return LineEvent::kComplete;
   if (byte == kEsc) {
     key_ = Key::kEscape;
-  } else if (byte == '{' && size_ == 0 && !tainted_) {
+  } else if (byte == '{' && size_ == 0) {
     json_ = true;
     line_[size_++] = '{';
   } else if (is_printable(byte)) {

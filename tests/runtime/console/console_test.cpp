@@ -77,6 +77,9 @@ TEST(Console, ModesAlternate_LineByLine) {
   Bench bench;
   bench.type("{\"cmd\":\"status\"}\n");
   EXPECT_EQ(bench.type("status\r"), "status\r\nstate: IDLE\r\nroomcal> ");
+  // A machine's answer begins on its own line.
+  EXPECT_EQ(bench.type("{\"cmd\":\"status\"}\n"),
+            "\r\n{\"cmd\":\"status\",\"ok\":true,\"data\":{\"state\":\"IDLE\"}}\r\n");
 }
 
 TEST(Console, DangerousVerbs_NeedRightsAndSaySo) {
