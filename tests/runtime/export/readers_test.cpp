@@ -2,7 +2,6 @@
 
 #include <array>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -55,19 +54,29 @@ struct Comment {
   Vec3 p_other() const { return {numbers.at(3), numbers.at(4), numbers.at(5)}; }
 };
 
-Comment comment_of(const std::string& text) {
-  const std::regex line("worked point: \\(([^)]*)\\) in (\\S+) is \\(([^)]*)\\)[^(\n]*(\\(([^)]*)\\))?");
-  std::smatch match;
-  Comment comment;
-  if (!std::regex_search(text, match, line)) {
-    ADD_FAILURE() << "no worked point in\n" << text;
-    return comment;
+// Takes what is between two marks and moves `text` behind the second one.
+std::string between(std::string_view& text, std::string_view first, std::string_view second) {
+  const std::size_t from = text.find(first);
+  const std::size_t to = from == std::string_view::npos ? from : text.find(second, from + first.size());
+  if (to == std::string_view::npos) {
+    ADD_FAILURE() << "no \"" << first << "...\"" << second << "\" in " << text;
+    return {};
   }
-  comment.sensor = match[2];
-  const std::string all = joined({match[1].str(), ",", match[3].str(), ",", match[5].str()});
-  const std::regex number("[-+0-9.e]+");
-  for (std::sregex_iterator it(all.begin(), all.end(), number), end; it != end; ++it)
-    comment.numbers.push_back(std::stod(it->str()));
+  const std::string found(text.substr(from + first.size(), to - from - first.size()));
+  text.remove_prefix(to + second.size());
+  return found;
+}
+
+Comment comment_of(const std::string& text) {
+  std::string_view rest = text;
+  rest.remove_prefix(std::min(text.find("worked point: "), text.size()));
+  rest = rest.substr(0, rest.find('\n'));
+  Comment comment;
+  std::string numbers = between(rest, "(", ")");
+  comment.sensor = between(rest, "in ", " is ");
+  while (rest.find('(') != std::string_view::npos) numbers.append(",").append(between(rest, "(", ")"));
+  std::istringstream words(numbers);
+  for (std::string word; std::getline(words, word, ',');) comment.numbers.push_back(std::stod(word));
   return comment;
 }
 
