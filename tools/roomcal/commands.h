@@ -12,6 +12,7 @@
 #include "tools/plan/plan_command.h"
 #include "tools/sheets/sheets_command.h"
 #include "tools/simulate/simulate_command.h"
+#include "tools/sweep/sweep_command.h"
 
 namespace roomcal::tools {
 
@@ -32,6 +33,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_record_command(app, exit_code);
   add_sheets_command(app);
   add_simulate_command(app, exit_code);
+  add_sweep_command(app, exit_code);
 }
 
 }  // namespace roomcal::tools
