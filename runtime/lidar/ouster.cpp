@@ -221,7 +221,7 @@ class OusterDecoder {
 };
 
 /// Columns of a packet span less than this; more means damaged times.
-constexpr int64_t kMaxSpan_ns = 1'000'000'000;
+constexpr int64_t kMaxSpan_ns = 100'000'000;
 
 }  // namespace
 

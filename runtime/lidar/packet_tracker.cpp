@@ -1,6 +1,7 @@
 #include "runtime/lidar/packet_tracker.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 namespace roomcal::lidar {

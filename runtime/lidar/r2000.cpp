@@ -69,7 +69,8 @@ void decode_r2000(const Calibration& calibration, const PacketHeader& header, By
   const double first_rad = kAngleUnit_rad * static_cast<int32_t>(le32(bytes, kFirstAngleAt));
   const double step_rad = kAngleUnit_rad * static_cast<int32_t>(le32(bytes, kAngleStepAt));
   const double frequency_hz = 0.001 * le32(bytes, kFrequencyAt);
-  const double point_ns = frequency_hz > 0.1 ? 1e9 / frequency_hz / header.turn_units : 0;
+  // Slower than the scanner turns is no frequency: times then stay those of the packet.
+  const double point_ns = frequency_hz >= 10 ? 1e9 / frequency_hz / header.turn_units : 0;
   for (std::size_t i = 0; i < header.packet_units; ++i) {
     const Echo echo = read_echo(bytes, head + i * point_bytes(type), type);
     const double range_m = 0.001 * echo.range_mm + calibration.beams[0].range_offset_m;

@@ -109,9 +109,9 @@ OusterProfile read_profile(const MetadataReader& reader) {
 }
 
 void read_columns(const MetadataReader& reader, OusterFormat& format) {
-  int columns = 1024;
+  int64_t columns = 1024;
   const std::string mode = reader.text("lidar_mode");
-  if (const std::size_t x = mode.find('x'); x != std::string::npos) columns = std::atoi(mode.substr(0, x).c_str());
+  if (mode.find('x') != std::string::npos) columns = std::strtol(mode.c_str(), nullptr, 10);
   if (const Json* value = reader.find("columns_per_frame"))
     columns = reader.whole(*value, "columns_per_frame", 64, 4096);
   if (columns < 64 || columns > 4096) reader.fail(fmt::format("lidar_mode `{}` is not understood", mode));
