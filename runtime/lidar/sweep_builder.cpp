@@ -121,6 +121,7 @@ Status SweepBuilder::add(Bytes packet, const PacketPlace& place) {
     if (was_open && place.lost > 0 && place.order == PacketOrder::kNext) open_.lost += place.lost;
   }
   if (header_.turn_mark == TurnMark::kAzimuth) {
+    check_jump(decoded, place);
     append_by_azimuth(decoded, place.stamp_ns);
   } else {
     append(0, decoded.point_count);
@@ -166,6 +167,22 @@ void SweepBuilder::append(std::size_t begin, std::size_t end) {
   counters_.dropped_points += end - begin - kept;
   counters_.points += kept;
   used_ += kept;
+}
+
+/// A sensor that leaves out angles pauses meanwhile. Azimuths that jump without a pause have a flipped bit.
+void SweepBuilder::check_jump(const DecodedPacket& decoded, const PacketPlace& place) {
+  const bool no_pause = place.order == PacketOrder::kNext && header_.interval_ns > 0 && place.in_pace;
+  bool jump = jumped_within_;
+  jumped_within_ = false;
+  int last_cdeg = last_azimuth_cdeg_;
+  for (std::size_t i = 0; i < decoded.blocks.size(); ++i) {
+    const bool wide = forward_step_cdeg(last_cdeg, decoded.blocks[i].azimuth_cdeg) > kMaxStepCdeg;
+    last_cdeg = decoded.blocks[i].azimuth_cdeg;
+    (i == 0 ? jump : jumped_within_) |= wide;
+  }
+  if (!jump || !no_pause) return;
+  ++counters_.azimuth_jumps;
+  open_.flags |= kSweepBadPackets;
 }
 
 void SweepBuilder::append_by_azimuth(const DecodedPacket& decoded, int64_t stamp_ns) {

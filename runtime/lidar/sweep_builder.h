@@ -26,7 +26,7 @@ struct SweepCounters {
   uint32_t packets = 0;  ///< that gave points or could have
   uint32_t lost = 0, late_used = 0, late_dropped = 0, duplicates = 0, restarts = 0;
   uint32_t unsupported = 0, corrupt = 0, empty = 0;  ///< refused: not this model's; damaged; without valid columns
-  uint32_t other_sensor = 0, checksum_wrong = 0, out_of_pace = 0;
+  uint32_t other_sensor = 0, checksum_wrong = 0, out_of_pace = 0, azimuth_jumps = 0;
   uint64_t points = 0, absurd_ranges = 0, dropped_points = 0;
   uint32_t sweeps = 0;
 };
@@ -46,6 +46,7 @@ struct SweepCounters {
 /// | open  | late, of this sweep                   | appends, flags kSweepOutOfOrder                    | open |
 /// | open  | late, of a sweep that is closed       | drops, flags kSweepOutOfOrder                      | open |
 /// | any   | the same bytes again                  | drops, flags kSweepDuplicates                      | same |
+/// | open  | azimuths jump, times do not           | appends, flags kSweepBadPackets                    | open |
 /// | any   | damaged or of something else          | refuses with a reason, flags kSweepBadPackets      | same |
 /// | open  | the clock jumped by more than 1 s     | closes (partial), opens (partial)                  | open |
 /// | open  | 2 s without a cut                     | closes (partial), opens (partial)                  | open |
@@ -91,6 +92,7 @@ class SweepBuilder {
   void count_place(const PacketPlace& place);
   bool passes_cut_before(const PacketPlace& place) const;
   bool interrupted_before(const PacketPlace& place) const;
+  void check_jump(const DecodedPacket& decoded, const PacketPlace& place);
   void append_by_azimuth(const DecodedPacket& decoded, int64_t stamp_ns);
   void append(std::size_t begin, std::size_t end);
   void open(int64_t stamp_ns, int azimuth_cdeg);
@@ -109,6 +111,7 @@ class SweepBuilder {
   Open open_;
   int cut_cdeg_ = kCutAtFirstAzimuth;
   int last_azimuth_cdeg_ = 0, step_cdeg_ = 0;
+  bool jumped_within_ = false;  ///< the last packet's azimuths have a jump: right only if a pause follows
   bool first_sweep_ = true;
   uint32_t pending_flags_ = 0;  ///< of what was dropped while no sweep was open
   PacketTracker tracker_;

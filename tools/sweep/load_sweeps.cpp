@@ -195,6 +195,8 @@ class Loader {
     warn_if(counters.out_of_pace * 2 > counters.packets,
             fmt::format("packets do not come at the pace of a {} in this mode; check --sensor{}", model_.product,
                         model_.family == lidar::Family::kRobosense ? " and --dual" : " and its return mode"));
+    warn_if(counters.azimuth_jumps > 0,
+            fmt::format("{} times the azimuth jumps without a pause: damaged packets", counters.azimuth_jumps));
     warn_if(counters.checksum_wrong > 0, fmt::format("{} packets have a wrong checksum", counters.checksum_wrong));
     warn_if(report.pcap.truncated, "the file ends within a packet; the recorder was stopped or the disk was full");
     warn_if(report.pcap.cut_short > 0,

@@ -92,6 +92,7 @@ json losses_json(const LoadReport& report) {
           {"late_used", counters.late_used},
           {"late_dropped", counters.late_dropped},
           {"clock_jumps", counters.restarts},
+          {"azimuth_jumps", counters.azimuth_jumps},
           {"absurd_ranges", counters.absurd_ranges},
           {"points_beyond_capacity", counters.dropped_points},
           {"frames_malformed", report.pcap.malformed},

@@ -59,6 +59,12 @@ bool plane_through(const Vec3& a, const Vec3& b, const Vec3& c, SeenWall& wall) 
   return wall.distance_m > 0.1;
 }
 
+/// On the plane, and seen under an angle that tells its distance.
+bool facing(const SeenWall& wall, const Vec3& p) {
+  const double along = wall.normal_lidar.dot(p);
+  return std::abs(along - wall.distance_m) < kFind_m && along > kMinCosine * p.norm();
+}
+
 /// The plane with most points among the rays that no wall has yet.
 SeenWall largest_plane(const std::vector<Vec3>& points, Random& random) {
   SeenWall best;
@@ -68,7 +74,7 @@ SeenWall largest_plane(const std::vector<Vec3>& points, Random& random) {
     if (!plane_through(points[random.below(points.size())], points[random.below(points.size())],
                        points[random.below(points.size())], wall))
       continue;
-    for (const Vec3& p : points) wall.points += std::abs(wall.normal_lidar.dot(p) - wall.distance_m) < kFind_m;
+    for (const Vec3& p : points) wall.points += facing(wall, p);
     if (wall.points > best.points) best = wall;
   }
   return best;
@@ -143,7 +149,7 @@ std::vector<SeenWall> find_walls(const std::vector<Ray>& rays) {
   std::vector<Vec3> points;
   const std::size_t stride = std::max<std::size_t>(1, rays.size() / kFindPoints);
   for (std::size_t i = 0; i < rays.size(); i += stride) points.push_back(rays[i].point());
-  const std::size_t least = points.size() / 10;
+  const std::size_t least = std::max<std::size_t>(100, points.size() / 10);
   std::vector<SeenWall> walls;
   while (walls.size() < kMaxWalls) {
     const SeenWall wall = largest_plane(points, random);

@@ -33,7 +33,7 @@ TEST(WallOffsets, BoxWithBiasedLasers_FindsTheBiases) {
 TEST(WallOffsets, NothingFlat_IsRefused) {
   truth::Random random(4);
   Vlp16Stream stream;
-  std::vector<Vlp16Return> returns(stream.firings_per_turn() * kVlp16Lasers);
+  std::vector<Vlp16Return> returns(3 * stream.firings_per_turn() * kVlp16Lasers);
   for (Vlp16Return& r : returns) r.range_m = random.uniform(1, 40);
   LoadRequest request;
   request.model = "vlp16";
