@@ -1,5 +1,6 @@
 #include "runtime/lidar/r2000.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "runtime/lidar/point_sink.h"
@@ -57,7 +58,7 @@ Status inspect_r2000(const Calibration&, Bytes bytes, PacketHeader& header) {
   if (header.turn_units == 0 || first + points > header.turn_units)
     return {StatusCode::kCorrupt, "points beyond the scan's number of points"};
   // Scan frequency is in mHz.
-  header.motor_rpm = static_cast<uint16_t>(le32(bytes, kFrequencyAt) * 0.06);
+  header.motor_rpm = static_cast<uint16_t>(std::min(65535.0, le32(bytes, kFrequencyAt) * 0.06));
   return ok_status();
 }
 

@@ -60,6 +60,12 @@ TEST(R2000, NoEcho_IsNoPoint) {
   EXPECT_EQ(decode(built_in_calibration(Model::kR2000).value(), bytes.view()).points.size(), 2U);
 }
 
+TEST(R2000, FrequencyBeyondAnyMotor_IsNoOverflow) {
+  PacketBytes bytes = packet('C', 3);
+  bytes.le(34, 0xFFFFFFFF, 4);
+  EXPECT_EQ(decode(built_in_calibration(Model::kR2000).value(), bytes.view()).header.motor_rpm, 65535);
+}
+
 TEST(R2000, SizesThatDisagree_AreRefused) {
   const Calibration calibration = built_in_calibration(Model::kR2000).value();
   const auto code = [&](std::size_t at, uint64_t value, int bytes) {
