@@ -84,7 +84,7 @@ Status inspect_packet(const Calibration& calibration, Bytes bytes, PacketHeader&
 ///
 /// @param base_ns  added to every offset_ns: the packet's stamp after the sweep's.
 /// @param[out] points  room for kMaxPacketPoints; the first point_count are written.
-/// @return kCapacity if `points` is too small. Cost: about 5 ns a point, no allocation.
+/// @return kCapacity if `points` is too small. Cost: about 7 ns a point, no allocation.
 Status decode_packet(const Calibration& calibration, const PacketHeader& header, Bytes bytes, int32_t base_ns,
                      std::span<SweepPoint> points, DecodedPacket& decoded);
 
