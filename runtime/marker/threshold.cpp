@@ -120,8 +120,9 @@ GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_con
   std::array<int, 256> all{};
   for (const auto& band : histogram)
     for (std::size_t level = 0; level < all.size(); ++level) all[level] += band[level];
-  quiet = quiet_contrast(all, 10);
-  const int most = std::max(kMaxNoiseGate, quiet * 5 / 4);
+  // A wall full of small markers has few quiet places: a thirtieth is still noise and not a row of pixels from its edge.
+  quiet = quiet_contrast(all, 30);
+  const int most = std::max(kMaxNoiseGate, quiet_contrast(all, 10) * 5 / 4);
   GateTable gates;
   for (std::size_t band = 0; band < kBands; ++band) {
     // 1.25: the widest of the quiet neighbourhoods is about that much above their lower quartile (Gaussian noise).
