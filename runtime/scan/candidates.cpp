@@ -6,12 +6,17 @@ namespace roomcal::scan {
 
 namespace {
 
-constexpr double kOtherPlace = 150;      // squared distance in sigmas of the sample
-constexpr double kHopelessScore = 0.35;  // above the best score of the coarse poses
+constexpr double kOtherPlace = 150;               // squared distance in sigmas of the sample
+constexpr double kNear_m = 0.3, kNear_rad = 0.1;  // no room repeats itself so closely: two halts on one way down
+constexpr double kHopelessScore = 0.35;           // above the best score of the coarse poses
+constexpr double kGoodScore = 0.3;                // most points within centimetres
+constexpr double kShortReach_m = 0.12, kLongReach_m = 0.35;
+constexpr std::size_t kMaxSettledWithPrior = 6;
 constexpr std::size_t kMaxSettled = 28;  // an empty box has 24 places before gravity
 
 bool same_place(const Candidate& a, const Candidate& b) {
   const Vec6 off = se3_log(a.state.T_room_lidar.inverse() * b.state.T_room_lidar);
+  if (off.head<3>().norm() < kNear_m && off.tail<3>().norm() < kNear_rad) return true;
   return std::min(off.dot(a.information * off), off.dot(b.information * off)) < kOtherPlace;
 }
 
@@ -55,11 +60,12 @@ void CandidateSet::settle_all(std::span<const Ray> sample, const RefineInput& in
   std::size_t settled = 0;
   Candidate refused;
   bool any_refused = false;
+  const std::size_t most = input.prior == nullptr ? kMaxSettled : kMaxSettledWithPrior;
   for (const Hypothesis& hypothesis : hypotheses) {
-    if (hypothesis.score > hypotheses[0].score + kHopelessScore || settled++ == kMaxSettled) break;
+    if (hypothesis.score > hypotheses[0].score + kHopelessScore || settled++ == most) break;
     Candidate candidate;
     candidate.state.T_room_lidar = hypothesis.T_room_lidar;
-    settle(sample, input, candidate.state);
+    settle(sample, input, hypothesis.score < kGoodScore ? kShortReach_m : kLongReach_m, candidate.state);
     const FitShares shares = judge(sample, input, candidate);
     if (input.prior != nullptr && !within_prior(*input.prior, candidate.state.T_room_lidar)) continue;
     if (*why_refused(shares, accept) == '\0') {

@@ -19,7 +19,9 @@ constexpr double kSame_m = 0.12;
 constexpr double kSame_rad = 0.05;
 constexpr std::size_t kQuickRays = 160;
 constexpr std::size_t kTopPlanes = 6;  // of the sweep
-constexpr int kOpenSteps = 5;          // places along an axis that no plane fixes
+constexpr int kOpenSteps = 5;          // places along an axis that no plane fixes, without a prior
+constexpr int kMaxOpenSteps = 15;
+constexpr double kOpenStep_m = 0.05;  // with one
 
 /// Planes of the sweep as they are chosen, and the faces that they are put on.
 struct Match {
@@ -140,13 +142,18 @@ class Search {
     N << a.transpose(), b.transpose(), line.transpose();
     const Mat33 N_inverse = N.inverse();
     const double at_a = match.seen[0]->d_m - match.face[0]->d_m, at_b = match.seen[1]->d_m - match.face[1]->d_m;
+    double low = extreme_along(line, false), high = extreme_along(line, true);
+    int steps = kOpenSteps;
     if (prior_ != nullptr) {
-      offer({R, N_inverse * Vec3(at_a, at_b, line.dot(prior_->T_room_lidar.t))});
-      return;
+      const Mat33 cov_room =
+          prior_->T_room_lidar.R * prior_->cov.topLeftCorner<3, 3>() * prior_->T_room_lidar.R.transpose();
+      const double reach_m = 2.5 * std::sqrt(line.dot(cov_room * line));
+      low = std::max(low, line.dot(prior_->T_room_lidar.t) - reach_m);
+      high = std::min(high, line.dot(prior_->T_room_lidar.t) + reach_m);
+      steps = std::clamp(static_cast<int>((high - low) / kOpenStep_m), 1, kMaxOpenSteps);
     }
-    const double low = extreme_along(line, false), high = extreme_along(line, true);
-    for (int step = 0; step < kOpenSteps; ++step) {
-      offer({R, N_inverse * Vec3(at_a, at_b, low + (high - low) * (step + 0.5) / kOpenSteps)});
+    for (int step = 0; step < steps; ++step) {
+      offer({R, N_inverse * Vec3(at_a, at_b, low + (high - low) * (step + 0.5) / steps)});
     }
   }
 

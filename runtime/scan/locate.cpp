@@ -17,7 +17,7 @@ constexpr std::size_t kAzimuthBins = 36;
 constexpr std::size_t kJudgePoints = 6000;
 constexpr double kOpenSigma_m = 0.01;  // an axis that the sample fixes worse is searched
 constexpr double kOpenReach_m = 0.45;  // how far, without a prior's word
-constexpr int kOpenSteps = 9;          // to each side
+constexpr double kOpenStep_m = 0.025;  // the loss reaches 45 mm along a ray
 
 /// What locate() keeps in scratch.
 struct Workspace {
@@ -62,9 +62,9 @@ std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::s
 
 /// Moves a settled state along its most open axis of position to where the sample fits best: Gauss-Newton does not find
 /// the few points on a floor 0.2 m away. Open is judged without faces that only seem to be seen.
-void search_open_axis(std::span<const Ray> sample, double share, const RefineInput& input, Candidate& candidate) {
+void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
   RefineInput muted = input;
-  muted.mute = faces_without_evidence(sample, share, input, candidate.state);
+  muted.mute = faces_without_evidence(sample, input, candidate.state);
   Candidate probe = candidate;
   (void)judge(sample, muted, probe);
   const Mat66 cov = covariance_of(probe.information);
@@ -74,19 +74,25 @@ void search_open_axis(std::span<const Ray> sample, double share, const RefineInp
   double reach_m = kOpenReach_m;
   if (input.prior != nullptr) {
     const double prior_sigma_m = std::sqrt(axis_lidar.dot(input.prior->cov.topLeftCorner<3, 3>() * axis_lidar));
-    reach_m = std::min(2.0, 3 * prior_sigma_m);
+    reach_m = std::min(1.0, 3 * prior_sigma_m);
   }
   // Flat ground is no reason to move, nor is bringing points before walls of which nothing is known, or away from them.
   constexpr double kBetter = 0.01;
+  const auto better = [](const Candidate& a, const Candidate& b) {
+    return a.loss < b.loss - kBetter && a.mapped_loss < b.mapped_loss - kBetter;
+  };
+  const int steps = static_cast<int>(reach_m / kOpenStep_m);
   Candidate best = candidate;
-  for (int step = -kOpenSteps; step <= kOpenSteps; ++step) {
+  for (int step = -steps; step <= steps; ++step) {
     Candidate moved = candidate;
-    moved.state.T_room_lidar.t += moved.state.T_room_lidar.R * axis_lidar * (reach_m * step / kOpenSteps);
-    settle(sample, input, moved.state);
+    moved.state.T_room_lidar.t += moved.state.T_room_lidar.R * axis_lidar * (kOpenStep_m * step);
     (void)judge(sample, input, moved);
-    if (moved.loss < best.loss - kBetter && moved.mapped_loss < best.mapped_loss - kBetter) best = moved;
+    if (better(moved, best)) best = moved;
   }
-  candidate = best;
+  // No wide loss here: what fixes the axis are few points, which the many around them would outvote.
+  settle_near(sample, input, 1, best.state);
+  (void)judge(sample, input, best);
+  if (better(best, candidate)) candidate = best;
 }
 
 double azimuth_coverage(const SweepView& view, const RefineInput& input, const RangeState& state) {
@@ -127,15 +133,12 @@ void fill_counts(const RangeSums& sums, const SensorModel& sensor, double sigma_
 }
 
 /// The fine solution: all points, offsets, and only faces that the sweep gives evidence for.
-bool solve_fine(const SweepView& view, std::span<const Ray> sample, RefineInput& input, RangeState& state,
-                RangeSums& sums, RangeState& linearized_at) {
-  const double share = static_cast<double>(sample.size()) / static_cast<double>(view.point_count());
-  input.mute = faces_without_evidence(sample, share, input, state);
+bool solve_fine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums,
+                RangeState& linearized_at) {
   const bool converged = refine(view, input, state, sums, linearized_at);
-  const uint64_t mute = faces_without_evidence(sample, share, input, state);
-  if (mute == input.mute) return converged;
-  input.mute = mute;
-  return refine(view, input, state, sums, linearized_at);
+  // Grazing beams that change sides keep a solution from settling: mute first, complain later.
+  input.mute = faces_without_evidence(view, input, state);
+  return input.mute == 0 ? converged : refine(view, input, state, sums, linearized_at);
 }
 
 void refuse(Location& location, const char* reason) {
@@ -196,13 +199,13 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
     return ok_status();
   }
   Candidate& best = candidates.twins[0];
-  search_open_axis(sample, static_cast<double>(sample.size()) / static_cast<double>(view.point_count()), input, best);
+  search_open_axis(sample, input, best);
   input.sigma_m = spread_m(sample, input, best.state, work.residuals);
 
   RangeSums sums;
   RangeState state = best.state;
   RangeState linearized_at = state;
-  const bool converged = solve_fine(view, sample, input, state, sums, linearized_at);
+  const bool converged = solve_fine(view, input, state, sums, linearized_at);
   fill_counts(sums, sensor, input.sigma_m, state, location);
   location.azimuth = azimuth_coverage(view, input, state);
   fill_pose(input, sums, state, linearized_at, options, location);

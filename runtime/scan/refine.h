@@ -16,13 +16,17 @@ struct RefineInput {
   uint64_t mute = 0;                 ///< bits of faces whose points carry no weight
 };
 
-/// One Gauss-Newton step from the sums gathered at `state`.
+/// One Gauss-Newton step from the sums gathered at `state`; damping adds that share to the diagonal.
 /// @return the step's length in sigmas; negative if the equations could not be solved, `state` is then unchanged.
-double step_state(const RangeSums& sums, const RefineInput& input, RangeState& state);
+double step_state(const RangeSums& sums, const RefineInput& input, RangeState& state, double damping = 0);
 
 /// Brings a coarse pose (0.3 m, 10 degrees) to the optimum of a sample: the robust loss narrows from 0.35 m to 3
 /// sigmas. Cost: 0.7 ms for 2000 rays.
-void settle(std::span<const Ray> sample, const RefineInput& input, RangeState& state);
+void settle(std::span<const Ray> sample, const RefineInput& input, double reach_m, RangeState& state);
+
+/// Four rounds at most with the loss at 3 sigmas, over every stride-th ray: the end of settle(), for a pose that is
+/// right but for millimetres.
+void settle_near(std::span<const Ray> sample, const RefineInput& input, std::size_t stride, RangeState& state);
 
 /// The optimum over all points, from a settled state: first over every fifth, then over all.
 /// @param[out] sums  of all points, gathered within a third of a sigma of the final state.
@@ -46,8 +50,8 @@ double mean_loss(const RangeSums& sums);
 /// Bits of faces whose points are no evidence for them: the plane behind, continued, explains the returns as well. A
 /// pose that is off along an axis which the sweep does not see lets some beams graze the floor by mistake; believed,
 /// they would fix the height, to a millimetre and wrongly.
-/// @param sample  rays spread over the sweep. @param share  of all points, that the sample is.
-uint64_t faces_without_evidence(std::span<const Ray> sample, double share, const RefineInput& input,
-                                const RangeState& state);
+/// From a sample: for where to look; from the whole sweep: for what to believe.
+uint64_t faces_without_evidence(std::span<const Ray> sample, const RefineInput& input, const RangeState& state);
+uint64_t faces_without_evidence(const SweepView& view, const RefineInput& input, const RangeState& state);
 
 }  // namespace roomcal::scan

@@ -50,7 +50,7 @@ inline bool to_ray(const lidar::SweepPoint& point, const SensorModel& sensor, Ra
 inline std::size_t fair_stride(std::size_t stride) {
   if (stride <= 1) return 1;
   std::size_t fair = stride | 1U;
-  while (fair % 3 == 0 || fair % 5 == 0) fair += 2;
+  while (fair % 5 == 0) fair += 2;
   return fair;
 }
 

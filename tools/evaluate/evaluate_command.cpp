@@ -2,6 +2,7 @@
 
 #include "tools/evaluate/anchor_room.h"
 #include "tools/evaluate/detector_command.h"
+#include "tools/evaluate/lidar_command.h"
 #include "tools/evaluate/rings_command.h"
 
 namespace roomcal::tools {
@@ -11,6 +12,7 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   evaluate->require_subcommand(1);
   add_evaluate_anchor_room(*evaluate, exit_code);
   add_evaluate_detector(*evaluate, exit_code);
+  add_evaluate_lidar(*evaluate, exit_code);
   add_evaluate_rings(*evaluate);
 }
 

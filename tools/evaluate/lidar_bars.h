@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/detector_sweep.h"
+#include "tools/evaluate/lidar_trial.h"
+
+namespace roomcal::tools {
+
+/// Trials of one way to hold the sensor.
+struct LidarCell {
+  Tilt tilt = Tilt::kUpright;
+  bool prior = true;
+  int poses = 0;
+  int observable = 0;  ///< by the bound
+  int found = 0;       ///< of these, located within 30 mm and 0.5 degree in all axes
+  int unobservable = 0;
+  int missed = 0;  ///< of these, located without a word on weak axes
+  int ambiguous = 0, refused = 0, wrong = 0;
+  int cautious = 0;  ///< observable by the bound, with an axis reported open by more than three bounds
+  double position_squares = 0, rotation_squares = 0;  ///< of error over bound, found poses that are not cautious
+  double cautious_squares = 0;                        ///< position, the cautious ones
+  double nees = 0;                                    ///< sum over found poses
+  std::vector<double> bound_m, bound_rad, error_m, error_rad, ms;
+
+  void add(const LidarTrial& trial);
+  int judged() const { return found - cautious; }
+  double position_ratio() const;
+  double rotation_ratio() const;
+  double mean_nees() const;
+};
+
+/// `poses` for each way to hold the sensor, with and without a prior, on all cores. The same numbers on every machine
+/// but for the times.
+std::vector<LidarCell> run_lidar_cells(int poses);
+
+std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells);
+
+}  // namespace roomcal::tools
