@@ -1,13 +1,17 @@
 #include "runtime/scan/locate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "runtime/scan/candidates.h"
 #include "runtime/scan/planes.h"
+#include "runtime/scan/print_fit.h"
 
 namespace roomcal::scan {
 
@@ -15,15 +19,19 @@ namespace {
 
 constexpr std::size_t kAzimuthBins = 36;
 constexpr std::size_t kJudgePoints = 6000;
-constexpr double kOpenSigma_m = 0.01;  // an axis that the sample fixes worse is searched
-constexpr double kOpenReach_m = 0.45;  // how far, without a prior's word
-constexpr double kOpenStep_m = 0.025;  // the loss reaches 45 mm along a ray
+constexpr double kOpenSigma_m = 0.01;    // an axis that the sample fixes worse is searched
+constexpr double kCloseSigma_m = 0.002;  // prints are asked for an axis that ranges fix worse
+constexpr double kUnknownReach_m = 1.0;  // of prints, without a prior
+constexpr double kTwinRunnerUp = 0.5;    // of the best twin's gain
+constexpr double kOpenReach_m = 0.45;    // how far, without a prior's word
+constexpr double kOpenStep_m = 0.025;    // the loss reaches 45 mm along a ray
 
 /// What locate() keeps in scratch.
 struct Workspace {
   std::span<Ray> sample;
   std::span<float> residuals;
   CandidateSet* candidates = nullptr;
+  PrintMatcher matcher;
 
   static Status build(Arena& scratch, Workspace& work) {
     work.sample = scratch.allocate<Ray>(kMaxSample);
@@ -33,7 +41,7 @@ struct Workspace {
       return out_of_arena("scan: scratch arena too small, see locate_scratch_bytes()");
     }
     work.candidates = set.data();
-    return ok_status();
+    return PrintMatcher::build(scratch, work.matcher);
   }
 };
 
@@ -60,32 +68,52 @@ std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::s
   return count;
 }
 
-/// Moves a settled state along its most open axis of position to where the sample fits best: Gauss-Newton does not find
-/// the few points on a floor 0.2 m away. Open is judged without faces that only seem to be seen.
-void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
+/// The axis of position that ranges fix least, and how far along it the sensor may be.
+struct OpenAxis {
+  Vec3 axis_room = Vec3::UnitZ();
+  double sigma_m = 0;
+  double reach_m = 0;  ///< 0: it is not open
+};
+
+OpenAxis open_axis_of(const Mat66& information, const Mat33& R, const PosePrior* prior, double unknown_reach_m) {
+  const Eigen::SelfAdjointEigenSolver<Mat33> axes(R * covariance_of(information).topLeftCorner<3, 3>() * R.transpose());
+  OpenAxis open;
+  open.axis_room = axes.eigenvectors().col(2);
+  open.sigma_m = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  if (open.sigma_m < kOpenSigma_m) return open;
+  open.reach_m = unknown_reach_m;
+  if (prior != nullptr) {
+    const Vec3 axis_lidar = R.transpose() * open.axis_room;
+    open.reach_m = std::min(1.0, 3 * std::sqrt(axis_lidar.dot(prior->cov.topLeftCorner<3, 3>() * axis_lidar)));
+  }
+  return open;
+}
+
+/// The same of a candidate, judged without faces that only seem to be seen.
+OpenAxis open_axis_of(std::span<const Ray> sample, const RefineInput& input, const Candidate& candidate,
+                      double unknown_reach_m) {
   RefineInput muted = input;
   muted.mute = faces_without_evidence(sample, input, candidate.state);
   Candidate probe = candidate;
   (void)judge(sample, muted, probe);
-  const Mat66 cov = covariance_of(probe.information);
-  const Eigen::SelfAdjointEigenSolver<Mat33> axes(cov.topLeftCorner<3, 3>());
-  if (axes.eigenvalues()[2] < kOpenSigma_m * kOpenSigma_m) return;
-  const Vec3 axis_lidar = axes.eigenvectors().col(2);
-  double reach_m = kOpenReach_m;
-  if (input.prior != nullptr) {
-    const double prior_sigma_m = std::sqrt(axis_lidar.dot(input.prior->cov.topLeftCorner<3, 3>() * axis_lidar));
-    reach_m = std::min(1.0, 3 * prior_sigma_m);
-  }
+  return open_axis_of(probe.information, candidate.state.T_room_lidar.R, input.prior, unknown_reach_m);
+}
+
+/// Moves a settled state along its most open axis of position to where the sample fits best: Gauss-Newton does not find
+/// the few points on a floor 0.2 m away.
+void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
+  const OpenAxis open = open_axis_of(sample, input, candidate, kOpenReach_m);
+  if (open.reach_m == 0) return;
   // Flat ground is no reason to move, nor is bringing points before walls of which nothing is known, or away from them.
   constexpr double kBetter = 0.01;
   const auto better = [](const Candidate& a, const Candidate& b) {
     return a.loss < b.loss - kBetter && a.mapped_loss < b.mapped_loss - kBetter;
   };
-  const int steps = static_cast<int>(reach_m / kOpenStep_m);
+  const int steps = static_cast<int>(open.reach_m / kOpenStep_m);
   Candidate best = candidate;
   for (int step = -steps; step <= steps; ++step) {
     Candidate moved = candidate;
-    moved.state.T_room_lidar.t += moved.state.T_room_lidar.R * axis_lidar * (kOpenStep_m * step);
+    moved.state.T_room_lidar.t += open.axis_room * (kOpenStep_m * step);
     (void)judge(sample, input, moved);
     if (better(moved, best)) best = moved;
   }
@@ -141,15 +169,77 @@ bool solve_fine(const SweepView& view, RefineInput& input, RangeState& state, Ra
   return input.mute == 0 ? converged : refine(view, input, state, sums, linearized_at);
 }
 
+/// Keeps the twin whose view of the prints matches, if one clearly does.
+/// @return false if prints should tell, and none of the places matches them: the right one may not be among them.
+bool tell_twins_apart(const SweepView& view, std::span<const Ray> sample, const RefineInput& input,
+                      PrintMatcher& matcher, CandidateSet& candidates) {
+  std::array<double, kMaxTwins> gain{};
+  std::size_t best = 0;
+  bool informative = false;
+  for (std::size_t i = 0; i < candidates.twins.size(); ++i) {
+    const Candidate& twin = candidates.twins[i];
+    const OpenAxis open = open_axis_of(sample, input, twin, kUnknownReach_m);
+    const PrintFit fit = matcher.fit(input.surface, view, input.sensor, twin.state, open.axis_room, open.reach_m);
+    informative |= fit.informative;
+    gain[i] = fit.gain;
+    if (gain[i] > gain[best]) best = i;
+  }
+  double runner_up = 0;
+  for (std::size_t i = 0; i < candidates.twins.size(); ++i) {
+    if (i != best) runner_up = std::max(runner_up, gain[i]);
+  }
+  if (gain[best] < PrintMatcher::kSignificant) return !informative;
+  if (runner_up > kTwinRunnerUp * gain[best]) return true;
+  candidates.twins[0] = candidates.twins[best];
+  candidates.twins.truncate(1);
+  return true;
+}
+
+/// What the prints measured, as information on the pose: J xi = shift with
+///     J = (R' a, c x R' a),  a: the axis,  c: where the prints are in the sensor's frame.
+struct PrintMeasurement {
+  Vec6 J = Vec6::Zero();
+  double shift_m = 0;
+  double weight = 0;  ///< 0: none
+};
+
+/// Measures an axis that ranges leave open by the prints, and solves again with it.
+PrintMeasurement close_axis(const SweepView& view, const Mat66& information, PrintMatcher& matcher, RefineInput input,
+                            RangeState& state, RangeSums& sums, RangeState& linearized_at, Location& location) {
+  PrintMeasurement measured;
+  const Mat33& R = state.T_room_lidar.R;
+  const OpenAxis open = open_axis_of(information, R, input.prior, kUnknownReach_m);
+  if (open.sigma_m < kCloseSigma_m) return measured;
+  const double reach_m = std::clamp(3 * open.sigma_m, 0.045, open.reach_m == 0 ? 0.045 : open.reach_m);
+  const PrintFit fit = matcher.fit(input.surface, view, input.sensor, state, open.axis_room, reach_m);
+  if (!fit.clear) return measured;
+  const Vec3 axis_lidar = R.transpose() * open.axis_room;
+  measured.J << axis_lidar, fit.centre_lidar.cross(axis_lidar);
+  measured.weight = 1 / (fit.sigma_m * fit.sigma_m);
+  location.print_points = fit.points;
+
+  // The measurement joins the prior at the moved pose; what is left of the shift is then zero.
+  Mat66 joined = measured.weight * measured.J * measured.J.transpose() + 1e-3 * Mat66::Identity();
+  if (input.prior != nullptr) joined += input.prior->cov.inverse();
+  const Vec6 xi = (information + joined).ldlt().solve(Vec6(measured.weight * fit.shift_m * measured.J));
+  state.T_room_lidar = state.T_room_lidar * se3_exp(xi);
+  const PosePrior with_prints{state.T_room_lidar, joined.inverse()};
+  input.prior = &with_prints;
+  (void)solve_fine(view, input, state, sums, linearized_at);
+  return measured;
+}
+
 void refuse(Location& location, const char* reason) {
   location.outcome = LocateOutcome::kRefused;
   location.reason = reason;
 }
 
 void fill_pose(const RefineInput& input, const RangeSums& sums, const RangeState& state,
-               const RangeState& linearized_at, const LocateOptions& options, Location& location) {
+               const RangeState& linearized_at, const PrintMeasurement& prints, const LocateOptions& options,
+               Location& location) {
   location.T_room_lidar = state.T_room_lidar;
   location.information = condense(sums, input.sensor, linearized_at);
+  location.information.information += prints.weight * prints.J * prints.J.transpose();
   location.weak = find_weak_directions(location.information.information, state.T_room_lidar.R, options.observe);
   Mat66 with_prior = location.information.information;
   Vec6 unused = Vec6::Zero();
@@ -171,7 +261,9 @@ const char* to_string(LocateOutcome outcome) {
   return "";
 }
 
-std::size_t locate_scratch_bytes() { return kMaxSample * (sizeof(Ray) + sizeof(float)) + sizeof(CandidateSet) + 256; }
+std::size_t locate_scratch_bytes() {
+  return kMaxSample * (sizeof(Ray) + sizeof(float)) + sizeof(CandidateSet) + PrintMatcher::bytes() + 256;
+}
 
 Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, const SensorModel& sensor,
               const PosePrior* prior, const LocateOptions& options, Arena& scratch, Location& location) {
@@ -198,6 +290,11 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
     refuse(location, "no place in the map fits the sweep: another room, or the prior is wrong");
     return ok_status();
   }
+  // Without a prior a lone place is asked as well: its better twin may have been lost on the way.
+  bool confirmed = true;
+  if (options.use_reflectivity && (prior == nullptr || candidates.twins.size() > 1)) {
+    confirmed = tell_twins_apart(view, sample, input, work.matcher, candidates);
+  }
   Candidate& best = candidates.twins[0];
   search_open_axis(sample, input, best);
   input.sigma_m = spread_m(sample, input, best.state, work.residuals);
@@ -206,11 +303,17 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
   RangeState state = best.state;
   RangeState linearized_at = state;
   const bool converged = solve_fine(view, input, state, sums, linearized_at);
+  PrintMeasurement prints;
+  if (options.use_reflectivity && converged) {
+    const Mat66 information = condense(sums, sensor, linearized_at).information;
+    prints = close_axis(view, information, work.matcher, input, state, sums, linearized_at, location);
+  }
   fill_counts(sums, sensor, input.sigma_m, state, location);
   location.azimuth = azimuth_coverage(view, input, state);
-  fill_pose(input, sums, state, linearized_at, options, location);
+  fill_pose(input, sums, state, linearized_at, prints, options, location);
   fill_beams(sums, sensor, state, location);
-  location.twins = static_cast<int>(candidates.twins.size());
+  const int places = static_cast<int>(candidates.twins.size());
+  location.twins = confirmed || prior != nullptr ? places : std::max(2, places);
   const char* reason = converged ? why_refused(location.shares, options.accept) : "the solution did not settle";
   if (*reason == '\0' && location.azimuth < options.accept.min_azimuth) {
     reason = "the LiDAR sees too little of its horizon: clear its view";

@@ -1,5 +1,6 @@
 #include "runtime/scan/surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -53,7 +54,7 @@ Status Surface::add_face(const Vec3& normal_room, double d_m, std::span<const Ve
   std::size_t face = 0;
   while (face < faces_.size() && faces_[face].count != 0) ++face;
   const uint32_t first = face == 0 ? 0 : faces_[face - 1].first + faces_[face - 1].count;
-  faces_[face] = {normal_room, d_m, first, static_cast<uint32_t>(vertices_room.size())};
+  faces_[face] = {normal_room, d_m, first, static_cast<uint32_t>(vertices_room.size()), 0, 0};
   for (std::size_t i = 0; i < vertices_room.size(); ++i) {
     const Vec3& a = vertices_room[i];
     const Vec3& b = vertices_room[(i + 1) % vertices_room.size()];
@@ -64,6 +65,14 @@ Status Surface::add_face(const Vec3& normal_room, double d_m, std::span<const Ve
     high_room_ = high_room_.cwiseMax(a);
   }
   return ok_status();
+}
+
+void Surface::sort_prints() {
+  std::sort(prints_.begin(), prints_.end(), [](const Print& a, const Print& b) { return a.face < b.face; });
+  for (uint32_t i = 0; i < prints_.size(); ++i) {
+    Face& face = faces_[prints_[i].face];
+    if (face.print_count++ == 0) face.first_print = i;
+  }
 }
 
 Result<Surface> Surface::build(const map::RoomMap& map, const SurfaceOptions& options, Arena& permanent,
@@ -105,6 +114,7 @@ Result<Surface> Surface::build(const map::RoomMap& map, const SurfaceOptions& op
     surface.prints_[prints++] = {marker.p_room, marker.radius_m, static_cast<uint32_t>(face)};
   }
   surface.prints_ = surface.prints_.first(prints);
+  surface.sort_prints();
   return surface;
 }
 
@@ -139,6 +149,7 @@ Result<Surface> Surface::from_polygons(std::span<const Polygon> polygons, std::s
     if (prints[i].face >= polygons.size()) return Status{StatusCode::kInvalidArgument, "scan: a print on no polygon"};
     surface.prints_[i] = prints[i];
   }
+  surface.sort_prints();
   return surface;
 }
 

@@ -20,6 +20,8 @@ struct Face {
   double d_m = 0;
   uint32_t first = 0;  ///< of its vertices and edges in Surface
   uint32_t count = 0;
+  uint32_t first_print = 0;  ///< likewise of its prints
+  uint32_t print_count = 0;
 };
 
 /// Inner side of one edge of an outline: inward_room . p + d_m >= 0. The plane stands upright on the face.
@@ -70,11 +72,13 @@ class Surface {
   std::span<const Face> faces() const { return faces_; }
   std::span<const Vec3> vertices_room(const Face& face) const { return vertices_.subspan(face.first, face.count); }
   std::span<const FaceEdge> edges(const Face& face) const { return edges_.subspan(face.first, face.count); }
-  std::span<const Print> prints() const { return prints_; }
+  std::span<const Print> prints() const { return prints_; }  ///< face by face
+  std::span<const Print> prints(const Face& face) const { return prints().subspan(face.first_print, face.print_count); }
   const Vec3& low_room() const { return low_room_; }
   const Vec3& high_room() const { return high_room_; }
 
  private:
+  void sort_prints();
   Status add_face(const Vec3& normal_room, double d_m, std::span<const Vec3> vertices_room);
 
   std::span<Face> faces_;

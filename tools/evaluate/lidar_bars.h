@@ -8,15 +8,25 @@
 
 namespace roomcal::tools {
 
+/// What the location may use.
+enum class LidarAid : uint8_t {
+  kPrior,           ///< a pose within 0.2 m and 10 degrees, ranges alone: what the bound knows
+  kPriorAndPrints,  ///< and the reflectivity of the printed sheets
+  kPrints,          ///< no prior
+};
+const char* to_string(LidarAid aid);
+
 /// Trials of one way to hold the sensor.
 struct LidarCell {
   Tilt tilt = Tilt::kUpright;
-  bool prior = true;
+  LidarAid aid = LidarAid::kPrior;
   int poses = 0;
   int observable = 0;  ///< by the bound
   int found = 0;       ///< of these, located within 30 mm and 0.5 degree in all axes
   int unobservable = 0;
-  int missed = 0;  ///< of these, located without a word on weak axes
+  int missed = 0;                                 ///< of these, located without a word on weak axes and without prints
+  int closed = 0;                                 ///< of these, located with all axes fixed by prints
+  double closed_squares_m2 = 0, closed_nees = 0;  ///< sums over the closed ones: squared position error, NEES
   int ambiguous = 0, refused = 0, wrong = 0;
   int cautious = 0;  ///< observable by the bound, with an axis reported open by more than three bounds
   double position_squares = 0, rotation_squares = 0;  ///< of error over bound, found poses that are not cautious
@@ -31,7 +41,7 @@ struct LidarCell {
   double mean_nees() const;
 };
 
-/// `poses` for each way to hold the sensor, with and without a prior, on all cores. The same numbers on every machine
+/// `poses` for each way to hold the sensor and each aid, on all cores. The same numbers on every machine
 /// but for the times.
 std::vector<LidarCell> run_lidar_cells(int poses);
 

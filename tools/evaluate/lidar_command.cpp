@@ -31,16 +31,19 @@ void print_table(const std::vector<LidarCell>& cells) {
   fmt::print(
       "VLP-16 in a room of 3 x 4 x 2.7 m with a pillar, sigma 15 mm, beam offsets 10 mm; prior off by 0.2 m, 10 deg\n");
   fmt::print(
-      "medians of found poses; ratios are RMS over single poses' bounds; n/a: no axis open that the bound sees\n\n");
+      "medians of found poses; /bnd: RMS of the error over each pose's own bound; closed: open axes fixed by "
+      "prints\n\n");
   fmt::print(
-      "{:>6} {:>9} {:>5} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>8} {:>8} {:>8} {:>8} {:>5} {:>5} {:>5} {:>6}\n",
-      "prior", "tilt", "poses", "observ", "found", "unobs", "missed", "ambig", "refus", "wrong", "bound mm", "error mm",
-      "bnd deg", "err deg", "/bnd", "/bnd", "NEES", "ms");
+      "{:>8} {:>9} {:>5} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>8} {:>8} {:>8} {:>8} {:>5} {:>5} {:>5} "
+      "{:>6}\n",
+      "aid", "tilt", "poses", "observ", "found", "unobs", "missed", "closed", "ambig", "refus", "wrong", "bound mm",
+      "error mm", "bnd deg", "err deg", "/bnd", "/bnd", "NEES", "ms");
   for (const LidarCell& c : cells) {
     fmt::print(
-        "{:>6} {:>9} {:5} {:6} {:6} {:6} {:6} {:6} {:5} {:5} {:8.2f} {:8.2f} {:8.4f} {:8.4f} {:5.2f} {:5.2f} {:5.2f} "
+        "{:>8} {:>9} {:5} {:6} {:6} {:6} {:6} {:6} {:6} {:5} {:5} {:8.2f} {:8.2f} {:8.4f} {:8.4f} {:5.2f} {:5.2f} "
+        "{:5.2f} "
         "{:6.1f}\n",
-        c.prior ? "yes" : "no", to_string(c.tilt), c.poses, c.observable, c.found, c.unobservable, c.missed,
+        to_string(c.aid), to_string(c.tilt), c.poses, c.observable, c.found, c.unobservable, c.missed, c.closed,
         c.ambiguous, c.refused, c.wrong, 1e3 * median(c.bound_m), 1e3 * median(c.error_m),
         rad_to_deg(median(c.bound_rad)), rad_to_deg(median(c.error_rad)), c.position_ratio(), c.rotation_ratio(),
         c.mean_nees(), median(c.ms));
@@ -51,7 +54,7 @@ void print_table(const std::vector<LidarCell>& cells) {
 json to_json(const std::vector<LidarCell>& cells, const std::vector<Bar>& bars) {
   json node = {{"cells", json::array()}, {"bars", json::array()}};
   for (const LidarCell& c : cells) {
-    node["cells"].push_back({{"prior", c.prior},
+    node["cells"].push_back({{"aid", to_string(c.aid)},
                              {"tilt", to_string(c.tilt)},
                              {"poses", c.poses},
                              {"observable", c.observable},
@@ -62,6 +65,7 @@ json to_json(const std::vector<LidarCell>& cells, const std::vector<Bar>& bars) 
                              {"refused", c.refused},
                              {"wrong", c.wrong},
                              {"cautious", c.cautious},
+                             {"closed_by_prints", c.closed},
                              {"position_over_bound", c.position_ratio()},
                              {"rotation_over_bound", c.rotation_ratio()},
                              {"position_error_mm", 1e3 * median(c.error_m)},
@@ -89,7 +93,7 @@ void evaluate_lidar(const Arguments& arguments, int& exit_code) {
 void add_evaluate_lidar(CLI::App& evaluate, int& exit_code) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* lidar = evaluate.add_subcommand("lidar", "location of simulated LiDAR sweeps against the Cramer-Rao bound");
-  lidar->add_option("--poses", arguments->poses, "for each of three ways to hold it, with and without a prior")
+  lidar->add_option("--poses", arguments->poses, "for each of three ways to hold it and three aids")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   lidar->add_option("--json", arguments->json_file, "write the figures to this file");
