@@ -19,12 +19,16 @@ namespace {
 
 constexpr std::size_t kAzimuthBins = 36;
 constexpr std::size_t kJudgePoints = 6000;
-constexpr double kOpenSigma_m = 0.01;    // an axis that the sample fixes worse is searched
-constexpr double kCloseSigma_m = 0.002;  // prints are asked for an axis that ranges fix worse
-constexpr double kUnknownReach_m = 1.0;  // of prints, without a prior
-constexpr double kTwinRunnerUp = 0.5;    // of the best twin's gain
-constexpr double kOpenReach_m = 0.45;    // how far, without a prior's word
-constexpr double kOpenStep_m = 0.025;    // the loss reaches 45 mm along a ray
+constexpr double kOpenSigma_m = 0.01;     // an axis that the sample fixes worse is searched
+constexpr double kCloseSigma_m = 0.002;   // prints are asked for an axis that ranges fix worse
+constexpr double kUnknownReach_m = 1.0;   // of prints, without a prior
+constexpr double kRepeatReach_m = 0.15;   // of a second look, from where the first one led
+constexpr double kPrintsAgree_m = 0.004;  // two looks
+constexpr int kPrintRounds = 4;
+constexpr double kPrintSigma_m = 0.0005;  // surveys do not place sheets better
+constexpr double kTwinRunnerUp = 0.5;     // of the best twin's gain
+constexpr double kOpenReach_m = 0.45;     // how far, without a prior's word
+constexpr double kOpenStep_m = 0.025;     // the loss reaches 45 mm along a ray
 
 /// What locate() keeps in scratch.
 struct Workspace {
@@ -160,12 +164,21 @@ void fill_counts(const RangeSums& sums, const SensorModel& sensor, double sigma_
   location.rms_m = sigma_m * std::sqrt(sums.inlier_squares / std::max(1.0, static_cast<double>(sums.inliers)));
 }
 
+/// Bits of faces that most of their points do not fit: what is left of them is the rim of something else.
+uint64_t faces_mostly_missed(const RangeSums& sums) {
+  uint64_t mute = 0;
+  for (std::size_t i = 0; i < kMaxFaces; ++i) {
+    if (2 * sums.face[i].inliers < sums.face[i].predicted) mute |= uint64_t{1} << i;
+  }
+  return mute;
+}
+
 /// The fine solution: all points, offsets, and only faces that the sweep gives evidence for.
 bool solve_fine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums,
                 RangeState& linearized_at) {
   const bool converged = refine(view, input, state, sums, linearized_at);
   // Grazing beams that change sides keep a solution from settling: mute first, complain later.
-  input.mute = faces_without_evidence(view, input, state);
+  input.mute = faces_without_evidence(view, input, state) | faces_mostly_missed(sums);
   return input.mute == 0 ? converged : refine(view, input, state, sums, linearized_at);
 }
 
@@ -195,11 +208,10 @@ bool tell_twins_apart(const SweepView& view, std::span<const Ray> sample, const 
   return true;
 }
 
-/// What the prints measured, as information on the pose: J xi = shift with
+/// What the prints measured, as information on the pose: J xi = 0 at the moved pose, with
 ///     J = (R' a, c x R' a),  a: the axis,  c: where the prints are in the sensor's frame.
 struct PrintMeasurement {
   Vec6 J = Vec6::Zero();
-  double shift_m = 0;
   double weight = 0;  ///< 0: none
 };
 
@@ -210,19 +222,27 @@ PrintMeasurement close_axis(const SweepView& view, const Mat66& information, Pri
   const Mat33& R = state.T_room_lidar.R;
   const OpenAxis open = open_axis_of(information, R, input.prior, kUnknownReach_m);
   if (open.sigma_m < kCloseSigma_m) return measured;
-  const double reach_m = std::clamp(3 * open.sigma_m, 0.045, open.reach_m == 0 ? 0.045 : open.reach_m);
-  const PrintFit fit = matcher.fit(input.surface, view, input.sensor, state, open.axis_room, reach_m);
-  if (!fit.clear) return measured;
+  double reach_m = std::clamp(3 * open.sigma_m, kRepeatReach_m, std::max(kRepeatReach_m, open.reach_m));
+  // A fit holds the faces as they are seen from where it starts: it is repeated until it starts where it ends.
+  RangeState moved = state;
+  PrintFit fit;
+  for (int round = 0; round < kPrintRounds; ++round) {
+    fit = matcher.fit(input.surface, view, input.sensor, moved, open.axis_room, reach_m);
+    if (!fit.clear) return measured;
+    moved.T_room_lidar.t += fit.shift_m * open.axis_room;
+    if (std::abs(fit.shift_m) < kPrintsAgree_m) break;
+    reach_m = kRepeatReach_m;
+  }
+  if (std::abs(fit.shift_m) >= kPrintsAgree_m) return measured;
   const Vec3 axis_lidar = R.transpose() * open.axis_room;
   measured.J << axis_lidar, fit.centre_lidar.cross(axis_lidar);
-  measured.weight = 1 / (fit.sigma_m * fit.sigma_m);
+  const double sigma_m = std::max(kPrintSigma_m, fit.sigma_m);
+  measured.weight = 1 / (sigma_m * sigma_m);
   location.print_points = fit.points;
 
-  // The measurement joins the prior at the moved pose; what is left of the shift is then zero.
+  state = moved;
   Mat66 joined = measured.weight * measured.J * measured.J.transpose() + 1e-3 * Mat66::Identity();
   if (input.prior != nullptr) joined += input.prior->cov.inverse();
-  const Vec6 xi = (information + joined).ldlt().solve(Vec6(measured.weight * fit.shift_m * measured.J));
-  state.T_room_lidar = state.T_room_lidar * se3_exp(xi);
   const PosePrior with_prints{state.T_room_lidar, joined.inverse()};
   input.prior = &with_prints;
   (void)solve_fine(view, input, state, sums, linearized_at);
@@ -304,7 +324,9 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
   RangeState linearized_at = state;
   const bool converged = solve_fine(view, input, state, sums, linearized_at);
   PrintMeasurement prints;
-  if (options.use_reflectivity && converged) {
+  // Only within a prior's reach: over a metre, a wrong place has been seen to match (one of nine real and simulated
+  // sets).
+  if (options.use_reflectivity && converged && prior != nullptr) {
     const Mat66 information = condense(sums, sensor, linearized_at).information;
     prints = close_axis(view, information, work.matcher, input, state, sums, linearized_at, location);
   }
