@@ -6,17 +6,23 @@
 #include "runtime/base/fixed_vector.h"
 #include "runtime/camera/camera.h"
 #include "runtime/math/se3.h"
+#include "runtime/rig/camera_rig.h"
+#include "runtime/scan/sensor_model.h"
 
 namespace roomcal::calib {
 
-inline constexpr std::size_t kMaxCameras = 8;
+inline constexpr std::size_t kMaxCameras = rig::kMaxViews;
+inline constexpr std::size_t kMaxLidars = rig::kMaxLidars;
+inline constexpr std::size_t kMaxSensors = kMaxCameras + kMaxLidars;
+/// Sweeps of one LiDAR that are joined; those beyond are left out and reported.
+inline constexpr std::size_t kMaxSweeps = 32;
 /// Markers kept per image. A room has some 340; what is beyond is reported, not dropped silently.
 inline constexpr std::size_t kMaxDetections = 512;
 
 /// How far a sensor may sit from its drawing.
 struct NominalMounting {
   bool known = false;
-  SE3 T_rig_cam;
+  SE3 T_rig_sensor;
   double sigma_rot_rad = 0;  ///< per axis
   double sigma_t_m = 0;      ///< per axis
 };
@@ -27,10 +33,18 @@ struct CameraSpec {
   NominalMounting nominal;
 };
 
+struct LidarSpec {
+  SensorName name;
+  SensorName model;  ///< "vlp16", ...: for the record
+  scan::SensorModel ranges;
+  NominalMounting nominal;
+};
+
 /// The device as provisioned. The rig frame is the frame of the reference camera.
 struct Device {
   FixedVector<CameraSpec, kMaxCameras> cameras;
   std::size_t reference = 0;  ///< number of the reference camera
+  FixedVector<LidarSpec, kMaxLidars> lidars;
 };
 
 }  // namespace roomcal::calib

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <span>
+
 #include "runtime/base/fixed_text.h"
 #include "runtime/base/span2d.h"
 #include "runtime/calib/device.h"
+#include "runtime/calib/outcome.h"
+#include "runtime/lidar/sweep.h"
 
 namespace roomcal::calib {
 
@@ -12,5 +16,13 @@ namespace roomcal::calib {
 ///         intrinsics are for, too dark, too bright, no contrast).
 /// Cost: some 10,000 pixels are read, whatever the size.
 Reason check_image(const CameraSpec& camera, ImageView image);
+
+/// Whether a sweep may take part: no flag but dropped duplicates.
+bool usable(const lidar::Sweep& sweep);
+
+/// The same for a LiDAR's sweeps: fills name, counts, flags, and the failure (no sweep, none without flags, almost no
+/// returns, a large part of the horizon without any).
+/// Cost: some 4000 points are read, whatever the sweeps.
+void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, LidarOutcome& outcome);
 
 }  // namespace roomcal::calib

@@ -3,34 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/calib/reason.h"
+#include "runtime/calib/judgement.h"
+#include "runtime/calib/lidar_gate.h"
 
 namespace roomcal::calib {
 
 namespace {
-
-/// Collects reasons; the verdict is the worst that any of them asks for.
-class Judgement {
- public:
-  explicit Judgement(Outcome& outcome) : outcome_(outcome) {
-    outcome_.verdict = Verdict::kPass;
-    outcome_.reasons.clear();
-  }
-  void add(Verdict verdict, const Reason& reason) {
-    outcome_.verdict = std::max(outcome_.verdict, verdict);
-    // A full list keeps the first reasons: they stand nearest to the cause. The verdict is not lost.
-    static_cast<void>(outcome_.reasons.push_back(reason));
-  }
-
- private:
-  Outcome& outcome_;
-};
-
-struct Name {
-  explicit Name(const SensorName& name) : length(static_cast<int>(name.view().size())), text(name.view().data()) {}
-  int length;
-  const char* text;
-};
 
 void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement& judgement) {
   const Name name(camera.name);
@@ -53,31 +31,6 @@ void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement
                               name.length, name.text, 100 * camera.coverage));
 }
 
-void judge_covariance(const CameraOutcome& camera, const Limits& limits, Judgement& judgement) {
-  const Name name(camera.name);
-  const double sigma_t_m = std::sqrt(camera.cov_rig_cam.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const double sigma_rot_rad = std::sqrt(camera.cov_rig_cam.bottomRightCorner<3, 3>().diagonal().maxCoeff());
-  if (sigma_t_m > limits.max_sigma_t_m || sigma_rot_rad > limits.max_sigma_rot_rad)
-    judgement.add(Verdict::kFailRetry,
-                  make_reason("%.*s: 1-sigma of %.2f mm and %.3f deg is above %.2f mm and %.3f deg: move the device to "
-                              "where it sees more markers",
-                              name.length, name.text, 1e3 * sigma_t_m, rad_to_deg(sigma_rot_rad),
-                              1e3 * limits.max_sigma_t_m, rad_to_deg(limits.max_sigma_rot_rad)));
-}
-
-void judge_mounting(const CameraSpec& spec, const CameraOutcome& camera, const Limits& limits, Judgement& judgement) {
-  if (!spec.nominal.known) return;
-  const Name name(camera.name);
-  const Vec3 offset_m = camera.T_rig_cam.t - spec.nominal.T_rig_cam.t;
-  const Vec3 rotation_rad = so3_log(spec.nominal.T_rig_cam.R.transpose() * camera.T_rig_cam.R);
-  if (offset_m.cwiseAbs().maxCoeff() > limits.max_nominal_sigmas * spec.nominal.sigma_t_m ||
-      rotation_rad.cwiseAbs().maxCoeff() > limits.max_nominal_sigmas * spec.nominal.sigma_rot_rad)
-    judgement.add(Verdict::kFailService,
-                  make_reason("%.*s: sits %.1f mm and %.2f deg from its nominal mounting: check its bracket, or that "
-                              "cameras are not swapped",
-                              name.length, name.text, 1e3 * offset_m.norm(), rad_to_deg(rotation_rad.norm())));
-}
-
 void judge_fit(const Outcome& outcome, const Limits& limits, Judgement& judgement) {
   if (outcome.solution.degrees_of_freedom <= 0) return;
   const double ratio = outcome.solution.chi2 / outcome.solution.degrees_of_freedom;
@@ -91,6 +44,30 @@ void judge_fit(const Outcome& outcome, const Limits& limits, Judgement& judgemen
                                                     ratio));
 }
 
+void judge_held_out(const HeldOut& held_out, const Limits& limits, Judgement& judgement) {
+  if (held_out.markers == 0 || held_out.median_sigmas <= limits.advise_held_out_sigmas) return;
+  const bool fail = held_out.median_sigmas > limits.max_held_out_sigmas;
+  judgement.add(
+      fail ? Verdict::kFailService : Verdict::kPassAdvise,
+      make_reason("held-out markers: %zu of them are missed by %.1f sigma (1 is clean): check the map and the "
+                  "intrinsics",
+                  held_out.markers, held_out.median_sigmas));
+}
+
+void judge_installed(const InstalledCheck& installed, Judgement& judgement) {
+  if (!installed.moved) return;
+  const Name name(installed.moved_sensor);
+  const auto change = std::find_if(installed.sensors.begin(), installed.sensors.end(), [&](const SensorChange& sensor) {
+    return sensor.name.view() == installed.moved_sensor.view();
+  });
+  judgement.add(
+      Verdict::kPassAdvise,
+      make_reason("%.*s: has moved since the installed record (%.1f mm, %.2f deg against the reference, p %.1g): "
+                  "tighten its bracket, then calibrate",
+                  name.length, name.text, 1e3 * change->delta.head<3>().norm(),
+                  rad_to_deg(change->delta.tail<3>().norm()), installed.p_value));
+}
+
 }  // namespace
 
 void judge(const Device& device, const Limits& limits, Outcome& outcome) {
@@ -99,10 +76,14 @@ void judge(const Device& device, const Limits& limits, Outcome& outcome) {
     const CameraOutcome& camera = outcome.cameras[i];
     judge_location(camera, limits, judgement);
     if (!camera.in_rig || i == outcome.reference) continue;
-    judge_covariance(camera, limits, judgement);
-    judge_mounting(device.cameras[i], camera, limits, judgement);
+    judge_covariance(camera.name, camera.cov_rig_cam, limits, judgement);
+    judge_mounting(camera.name, device.cameras[i].nominal, camera.T_rig_cam, limits, judgement);
   }
+  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
+    judge_lidar(device.lidars[i], outcome.lidars[i], limits, judgement);
   judge_fit(outcome, limits, judgement);
+  judge_held_out(outcome.held_out, limits, judgement);
+  judge_installed(outcome.installed, judgement);
 }
 
 }  // namespace roomcal::calib

@@ -22,6 +22,14 @@ struct Limits {
   double max_sigma_rot_rad = 0.05 * kPi / 180.0;
   /// Distance from the nominal mounting in its own sigmas, per axis, above which a sensor sits where it should not.
   double max_nominal_sigmas = 5.0;
+  /// Typical miss of markers that took no part, in predicted sigmas: 1 is clean; what the map or the intrinsics hide
+  /// from the fit shows here.
+  double advise_held_out_sigmas = 2.0;
+  double max_held_out_sigmas = 4.0;
+  /// Probability, over all sensors of a shot, of calling a sensor moved that has not.
+  double moved_p_value = 0.001;
+  /// Beam offset in sigmas of the data sheet's, from which a LiDAR's health is worth a word.
+  double advise_beam_sigmas = 4.0;
 };
 
 /// Sets verdict and reasons of an outcome whose cameras and solution are filled. Every reason is one line that names

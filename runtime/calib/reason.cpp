@@ -14,4 +14,9 @@ Reason make_reason(const char* format, ...) {
   return Reason(static_cast<const char*>(text));
 }
 
+Reason sensor_reason(const SensorName& name, const Status& status) {
+  return make_reason("%.*s: %s: %s", static_cast<int>(name.view().size()), name.view().data(), to_string(status.code()),
+                     status.detail());
+}
+
 }  // namespace roomcal::calib

@@ -18,6 +18,17 @@ store::SensorRecord to_sensor(const CameraOutcome& camera, const CameraSpec& spe
   return sensor;
 }
 
+store::SensorRecord to_sensor(const LidarOutcome& lidar, const LidarSpec& spec) {
+  store::SensorRecord sensor;
+  sensor.name = lidar.name;
+  sensor.kind = store::SensorKind::kLidar;
+  sensor.model = spec.model;
+  sensor.T_rig_sensor = lidar.T_rig_lidar;
+  sensor.cov_rig_sensor = 0.5 * (lidar.cov_rig_lidar + lidar.cov_rig_lidar.transpose());
+  sensor.evidence = {lidar.location.points, lidar.location.inliers, lidar.location.rms_m, lidar.location.azimuth, 0};
+  return sensor;
+}
+
 void take_reasons(const Outcome& outcome, store::Record& record) {
   const std::size_t kept = std::min(outcome.reasons.size(), store::kMaxReasons);
   for (std::size_t i = 0; i < kept; ++i) static_cast<void>(record.reasons.push_back(outcome.reasons[i]));
@@ -28,7 +39,8 @@ void take_reasons(const Outcome& outcome, store::Record& record) {
 }  // namespace
 
 Status to_record(const Outcome& outcome, const Device& device, const RecordContext& context, store::Record& record) {
-  if (outcome.cameras.size() != device.cameras.size() || outcome.reference >= outcome.cameras.size())
+  if (outcome.cameras.size() != device.cameras.size() || outcome.lidars.size() != device.lidars.size() ||
+      outcome.reference >= outcome.cameras.size())
     return {StatusCode::kInvalidArgument, "the outcome is not of this device"};
   if (!outcome.cameras[outcome.reference].in_rig)
     return {StatusCode::kNotFound, "the reference sensor was not located, so there is no rig frame"};
@@ -49,6 +61,9 @@ Status to_record(const Outcome& outcome, const Device& device, const RecordConte
     if (!record.sensors.push_back(to_sensor(outcome.cameras[i], device.cameras[i])))
       return {StatusCode::kCapacity, "more sensors than a record holds"};
   }
+  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
+    if (outcome.lidars[i].in_rig && !record.sensors.push_back(to_sensor(outcome.lidars[i], device.lidars[i])))
+      return {StatusCode::kCapacity, "more sensors than a record holds"};
   return store::check_record(record);
 }
 

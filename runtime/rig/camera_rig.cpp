@@ -12,12 +12,13 @@ namespace roomcal::rig {
 
 namespace {
 
-Status allocate_solution(std::size_t views, Arena& step, RigSolution& solution) {
-  solution.T_room_cam = step.allocate<SE3>(views);
-  solution.cov_room = step.allocate<double>(36 * views * views);
-  solution.rms_px = step.allocate<double>(views);
-  solution.outliers = step.allocate<uint16_t>(views);
-  if (solution.T_room_cam.empty() || solution.cov_room.empty() || solution.rms_px.empty() || solution.outliers.empty())
+Status allocate_solution(std::size_t sensors, Arena& step, RigSolution& solution) {
+  solution.T_room_sensor = step.allocate<SE3>(sensors);
+  solution.cov_room = step.allocate<double>(36 * sensors * sensors);
+  solution.rms_px = step.allocate<double>(sensors);
+  solution.outliers = step.allocate<uint16_t>(sensors);
+  if (solution.T_room_sensor.empty() || solution.cov_room.empty() || solution.rms_px.empty() ||
+      solution.outliers.empty())
     return out_of_arena("step arena: no room for the joint solution: reserve solve_step_bytes()");
   return ok_status();
 }
@@ -54,8 +55,8 @@ void fill_residuals(const JointProblem& problem, RigSolution& solution) {
 }  // namespace
 
 Mat66 RigSolution::cov_block(std::size_t i, std::size_t j) const {
-  assert(i < T_room_cam.size() && j < T_room_cam.size());
-  const std::size_t size = 6 * T_room_cam.size();
+  assert(i < T_room_sensor.size() && j < T_room_sensor.size());
+  const std::size_t size = 6 * T_room_sensor.size();
   Mat66 block;
   for (std::size_t row = 0; row < 6; ++row)
     for (std::size_t col = 0; col < 6; ++col)
@@ -66,7 +67,7 @@ Mat66 RigSolution::cov_block(std::size_t i, std::size_t j) const {
 
 RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size_t b) {
   RelativePose relative;
-  relative.T_a_b = solution.T_room_cam[a].inverse() * solution.T_room_cam[b];
+  relative.T_a_b = solution.T_room_sensor[a].inverse() * solution.T_room_sensor[b];
   // (T_room_a exp(xi_a))^-1 T_room_b exp(xi_b) = exp(-xi_a) T_a_b exp(xi_b) = T_a_b exp(xi_b - Ad(T_b_a) xi_a).
   const Mat66 Ad = se3_adjoint(relative.T_a_b.inverse());
   const Mat66 cross = Ad * solution.cov_block(a, b);
@@ -74,26 +75,32 @@ RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size
   return relative;
 }
 
-std::size_t solve_scratch_bytes(std::size_t views, std::size_t observations, std::size_t landmarks) {
-  return JointProblem::bytes(views, observations, landmarks) + NormalEquations::bytes(views) +
-         36 * views * views * sizeof(double);
+std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks) {
+  return JointProblem::bytes(sensors, observations, landmarks) + NormalEquations::bytes(sensors) +
+         36 * sensors * sensors * sizeof(double);
 }
 
-std::size_t solve_step_bytes(std::size_t views) {
-  return views * (sizeof(SE3) + sizeof(double) + sizeof(uint16_t)) + 36 * views * views * sizeof(double) +
+std::size_t solve_step_bytes(std::size_t sensors) {
+  return sensors * (sizeof(SE3) + sizeof(double) + sizeof(uint16_t)) + 36 * sensors * sensors * sizeof(double) +
          4 * alignof(double);
 }
 
 Status solve_cameras(std::span<const CameraView> views, std::span<const Landmark> landmarks,
                      const SolveOptions& options, Arena& step, Arena& scratch, RigSolution& solution,
                      std::size_t* degenerate_view) {
-  ROOMCAL_TRY(check_inputs(views, landmarks, options));
+  return solve_rig({views, {}, kNoReference, landmarks}, options, step, scratch, solution, degenerate_view);
+}
+
+Status solve_rig(const RigInput& input, const SolveOptions& options, Arena& step, Arena& scratch, RigSolution& solution,
+                 std::size_t* degenerate_view) {
+  ROOMCAL_TRY(check_inputs(input, options));
+  const std::size_t sensors = input.cameras.size() + input.lidars.size();
   const Arena::Scope scope(scratch);
   JointProblem problem;
   NormalEquations equations;
-  ROOMCAL_TRY(JointProblem::build(views, landmarks, options, scratch, problem));
-  ROOMCAL_TRY(NormalEquations::build(views.size(), scratch, equations));
-  const std::span<double> cov = scratch.allocate<double>(36 * views.size() * views.size());
+  ROOMCAL_TRY(JointProblem::build(input, options, scratch, problem));
+  ROOMCAL_TRY(NormalEquations::build(sensors, scratch, equations));
+  const std::span<double> cov = scratch.allocate<double>(36 * sensors * sensors);
   if (cov.empty()) return out_of_arena("scratch arena: no room for the covariance: reserve solve_scratch_bytes()");
 
   MinimizeReport report;
@@ -101,7 +108,7 @@ Status solve_cameras(std::span<const CameraView> views, std::span<const Landmark
   // A camera that is not determined also keeps the fit from settling, and is the better thing to say.
   equations.assemble(problem, 0);
   std::size_t blamed = 0;
-  const Status seen = invert_information(equations.S, views.size(), cov, blamed);
+  const Status seen = invert_information(equations.S, sensors, cov, blamed, input.lidars.size());
   if (!seen.ok()) {
     if (degenerate_view != nullptr) *degenerate_view = blamed;
     return seen;
@@ -109,8 +116,8 @@ Status solve_cameras(std::span<const CameraView> views, std::span<const Landmark
   ROOMCAL_TRY(fit);
 
   RigSolution filled;
-  ROOMCAL_TRY(allocate_solution(views.size(), step, filled));
-  std::copy(problem.state.T_room_cam.begin(), problem.state.T_room_cam.end(), filled.T_room_cam.begin());
+  ROOMCAL_TRY(allocate_solution(sensors, step, filled));
+  std::copy(problem.state.T_room_sensor.begin(), problem.state.T_room_sensor.end(), filled.T_room_sensor.begin());
   std::copy(cov.begin(), cov.end(), filled.cov_room.begin());
   fill_residuals(problem, filled);
   filled.iterations = report.iterations;

@@ -7,12 +7,14 @@
 #include "runtime/base/arena.h"
 #include "runtime/base/status.h"
 #include "runtime/camera/camera.h"
+#include "runtime/math/pose_information.h"
 #include "runtime/math/se3.h"
 
 namespace roomcal::rig {
 
-/// Most cameras in one problem; the reduced system is dense, 6 x 6 blocks for every pair.
+/// Most cameras and LiDARs in one problem; the reduced system is dense, 6 x 6 blocks for every pair.
 inline constexpr std::size_t kMaxViews = 8;
+inline constexpr std::size_t kMaxLidars = 4;
 
 /// A map point, with its prior. Points that no camera observes are allowed and ignored.
 struct Landmark {
@@ -34,6 +36,33 @@ struct CameraView {
   SE3 T_room_cam;  ///< start value
 };
 
+/// Where the drawing puts a LiDAR on the reference camera, and how far off it may be, per axis. Takes part as a
+/// measurement: it carries the directions that the LiDAR's points leave open, and no others noticeably.
+struct LidarMount {
+  bool known = false;
+  SE3 T_reference_lidar;
+  double sigma_t_m = 0;
+  double sigma_rot_rad = 0;
+};
+
+/// One LiDAR of the shot: what its points say about its pose, as a quadratic around where they were linearized.
+struct LidarView {
+  PoseInformation points;
+  LidarMount mount;
+  double open_sigma_t_m = 1.0;  ///< 1-sigma of a direction that nothing fixes
+  double open_sigma_rot_rad = 0.5;
+};
+
+inline constexpr std::size_t kNoReference = SIZE_MAX;
+
+/// Everything that one shot brings. Sensors are numbered cameras first, then LiDARs.
+struct RigInput {
+  std::span<const CameraView> cameras;
+  std::span<const LidarView> lidars;
+  std::size_t reference = kNoReference;  ///< the camera that mounts are relative to; without it they take no part
+  std::span<const Landmark> landmarks;   ///< at most 65536, numbered by the observations
+};
+
 struct SolveOptions {
   int max_iterations = 50;
   /// Residual, in sigmas, from which an observation loses weight (robust_loss.h). A camera whose typical residual is
@@ -48,10 +77,10 @@ enum class StopReason : uint8_t {
   kMaxIterations,  ///< the last step was below 0.01 sigma when the rounds were used up: good to use all the same
 };
 
-/// The joint solution. All spans live in the step arena; index = number of the view.
+/// The joint solution. All spans live in the step arena; index = number of the sensor: cameras, then LiDARs.
 struct RigSolution {
-  std::span<SE3> T_room_cam;
-  /// Joint covariance of all camera poses, 6n x 6n row-major, right perturbations (m, rad). Predicted from the inputs'
+  std::span<SE3> T_room_sensor;
+  /// Joint covariance of all poses, 6n x 6n row-major, right perturbations (m, rad). Predicted from the inputs'
   /// covariances and the robust weights, not scaled by the residuals: chi2 says whether to believe it.
   std::span<double> cov_room;
   std::span<double> rms_px;      ///< per camera, all observations, after the fit
@@ -61,35 +90,42 @@ struct RigSolution {
   int iterations = 0;
   StopReason stop = StopReason::kMaxIterations;
 
-  /// Covariance between the poses of cameras i and j: E[xi_i xi_j^T].
+  /// Covariance between the poses of sensors i and j: E[xi_i xi_j^T].
   Mat66 cov_block(std::size_t i, std::size_t j) const;
 };
 
-/// T_a_b of two cameras of one solution and its covariance (right perturbation, frame b).
+/// T_a_b of two sensors of one solution and its covariance (right perturbation, frame b).
 struct RelativePose {
   SE3 T_a_b;
   Mat66 cov;
 };
 
-/// T_a_b = T_room_a^-1 T_room_b with the covariance through both blocks and the one between them; a and b number views.
+/// T_a_b = T_room_a^-1 T_room_b with the covariance through both blocks and the one between them; a and b number
+/// sensors.
 RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size_t b);
 
-/// Scratch that solve_cameras() needs, bytes; observations of all views together.
-std::size_t solve_scratch_bytes(std::size_t views, std::size_t observations, std::size_t landmarks);
+/// Scratch that solve_rig() needs, bytes; sensors: cameras and LiDARs; observations of all cameras together.
+std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks);
 /// Step memory that the solution occupies, bytes.
-std::size_t solve_step_bytes(std::size_t views);
+std::size_t solve_step_bytes(std::size_t sensors);
 
-/// All cameras of a shot in one robust Levenberg-Marquardt on reprojection [P, III-B], the map's covariance as prior.
+/// All sensors of a shot in one robust Levenberg-Marquardt: cameras on reprojection [P, III-B] with the map's
+/// covariance as prior, LiDARs by the information that their points carry, mounts as priors between them.
 ///
-/// Minimizes  sum rho(|project(T_cam_room p) - centre|^2_cov) + sum |p - p_prior|^2_cov  over poses and map points. The
-/// points are eliminated by the Schur complement (3x3 blocks), so the cost is linear in observations.
-/// @param landmarks  at most 65536, numbered by the observations.
+/// Minimizes over poses and map points
+///     sum rho(|project(T_cam_room p) - centre|^2_cov) + sum |p - p_prior|^2_cov
+///     + sum (xi' information xi - 2 gradient . xi) + sum |log(T_lidar_reference T_room_reference^-1 T_room_lidar)|^2.
+/// The points are eliminated by the Schur complement (3x3 blocks), so the cost is linear in observations.
 /// @param[out] solution  filled only for kOk.
 /// @param[out] degenerate_view  number of the camera to blame, set only for kDegenerate; may be null.
 /// @return kOk; kInvalidArgument (not finite, a covariance not positive, a landmark that is not there); kCapacity (more
-///         than kMaxViews); kDegenerate (a camera's pose is not determined by its observations, or worse than 0.25 m or
-///         0.25 rad; detail says what to do); kNotConverged; kOutOfMemory.
+///         than kMaxViews or kMaxLidars); kDegenerate (a camera's pose is not determined by its observations, or worse
+///         than 0.25 m or 0.25 rad; detail says what to do); kNotConverged; kOutOfMemory.
 /// Cost: 5 to 9 rounds of 0.2 us an observation; 0.5 ms for four cameras with 300 observations (rig_benchmark.cpp).
+Status solve_rig(const RigInput& input, const SolveOptions& options, Arena& step, Arena& scratch, RigSolution& solution,
+                 std::size_t* degenerate_view = nullptr);
+
+/// The same for cameras alone.
 Status solve_cameras(std::span<const CameraView> views, std::span<const Landmark> landmarks,
                      const SolveOptions& options, Arena& step, Arena& scratch, RigSolution& solution,
                      std::size_t* degenerate_view = nullptr);

@@ -46,16 +46,16 @@ bool sigma_small(const Mat33& cov) {
 
 }  // namespace
 
-Status invert_information(std::span<double> information, std::size_t views, std::span<double> cov,
-                          std::size_t& degenerate_view) {
-  const std::size_t size = 6 * views;
-  for (std::size_t view = 0; view < views; ++view) {
+Status invert_information(std::span<double> information, std::size_t sensors, std::span<double> cov,
+                          std::size_t& degenerate_view, std::size_t lidars) {
+  const std::size_t size = 6 * sensors, cameras = sensors - lidars;
+  for (std::size_t view = 0; view < cameras; ++view) {
     degenerate_view = view;
     if (!every_motion_seen(diagonal_block(information, size, view))) return kUndetermined;
   }
   if (!ldlt_factor(information, size).ok()) return kUndetermined;
   ldlt_inverse(information, size, cov);
-  for (std::size_t view = 0; view < views; ++view) {
+  for (std::size_t view = 0; view < cameras; ++view) {
     degenerate_view = view;
     const Mat66 block = diagonal_block(cov, size, view);
     if (!sigma_small(block.topLeftCorner<3, 3>()) || !sigma_small(block.bottomRightCorner<3, 3>()))

@@ -31,23 +31,40 @@ Status check_view(const CameraView& view, std::size_t landmark_count) {
   return ok_status();
 }
 
+Status check_lidar(const LidarView& lidar) {
+  const PoseInformation& points = lidar.points;
+  if (!is_rigid(points.T_hat))
+    return {StatusCode::kInvalidArgument, "a LiDAR was linearized at what is no finite rigid transform"};
+  if (!points.information.allFinite() || !points.gradient.allFinite() || points.information.diagonal().minCoeff() < 0)
+    return {StatusCode::kInvalidArgument, "a LiDAR's information is not finite and positive semi-definite"};
+  if (!(lidar.open_sigma_t_m > 0 && lidar.open_sigma_rot_rad > 0))
+    return {StatusCode::kInvalidArgument, "a LiDAR's open sigmas must be positive"};
+  if (!lidar.mount.known) return ok_status();
+  if (!is_rigid(lidar.mount.T_reference_lidar) || !(lidar.mount.sigma_t_m > 0 && lidar.mount.sigma_rot_rad > 0))
+    return {StatusCode::kInvalidArgument, "a LiDAR's mount must be rigid, with positive sigmas"};
+  return ok_status();
+}
+
 }  // namespace
 
-Status check_inputs(std::span<const CameraView> views, std::span<const Landmark> landmarks,
-                    const SolveOptions& options) {
-  if (views.empty()) return {StatusCode::kInvalidArgument, "no camera to solve for"};
-  if (views.size() > kMaxViews) return {StatusCode::kCapacity, "more cameras than kMaxViews in one problem"};
+Status check_inputs(const RigInput& input, const SolveOptions& options) {
+  if (input.cameras.empty() && input.lidars.empty()) return {StatusCode::kInvalidArgument, "no sensor to solve for"};
+  if (input.cameras.size() > kMaxViews) return {StatusCode::kCapacity, "more cameras than kMaxViews in one problem"};
+  if (input.lidars.size() > kMaxLidars) return {StatusCode::kCapacity, "more LiDARs than kMaxLidars in one problem"};
+  if (input.reference != kNoReference && input.reference >= input.cameras.size())
+    return {StatusCode::kInvalidArgument, "the reference is not one of the cameras"};
   if (!(options.robust_scale > 0 && options.sigma_floor_px >= 0 && std::isfinite(options.robust_scale) &&
         std::isfinite(options.sigma_floor_px) && options.max_iterations > 0))
     return {StatusCode::kInvalidArgument,
             "solve options: scale and iterations must be positive, the floor not negative"};
-  for (const Landmark& landmark : landmarks) {
+  for (const Landmark& landmark : input.landmarks) {
     Mat33 L;
     if (!landmark.p_room.allFinite()) return {StatusCode::kInvalidArgument, "a landmark's position is not finite"};
     if (!covariance_root(landmark.cov_m2, L))
       return {StatusCode::kInvalidArgument, "a landmark's covariance is not positive semi-definite"};
   }
-  for (const CameraView& view : views) ROOMCAL_TRY(check_view(view, landmarks.size()));
+  for (const CameraView& view : input.cameras) ROOMCAL_TRY(check_view(view, input.landmarks.size()));
+  for (const LidarView& lidar : input.lidars) ROOMCAL_TRY(check_lidar(lidar));
   return ok_status();
 }
 

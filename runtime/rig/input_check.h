@@ -7,10 +7,9 @@
 
 namespace roomcal::rig {
 
-/// Whether solve_cameras() can work with its arguments at all.
+/// Whether solve_rig() can work with its arguments at all.
 /// @return kOk, kInvalidArgument or kCapacity, with the reason.
-Status check_inputs(std::span<const CameraView> views, std::span<const Landmark> landmarks,
-                    const SolveOptions& options);
+Status check_inputs(const RigInput& input, const SolveOptions& options);
 
 /// L (3x3, lower) with L L^T = cov for a positive semi-definite covariance; zero columns where it has no extent.
 /// @return false if cov is not finite, not symmetric or has a negative direction; L is then not set.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime/rig/input_check.h"
+#include "runtime/rig/lidar_terms.h"
 #include "runtime/rig/reprojection.h"
 
 namespace roomcal::rig {
@@ -18,7 +19,7 @@ constexpr double kWidestTurnOver = 1e6;
 void lay_out_view(const CameraView& view, std::size_t number, double sigma_floor_px, JointProblem& problem,
                   uint32_t& next) {
   problem.views[number] = {view.camera, next, static_cast<uint32_t>(view.observations.size()), kWidestTurnOver};
-  problem.state.T_room_cam[number] = view.T_room_cam;
+  problem.state.T_room_sensor[number] = view.T_room_cam;
   for (const RingObservation& observation : view.observations) {
     Term& term = problem.terms[next++];
     term.view = static_cast<uint16_t>(number);
@@ -46,8 +47,10 @@ void group_by_landmark(JointProblem& problem) {
 
 }  // namespace
 
-Status JointProblem::build(std::span<const CameraView> views, std::span<const Landmark> landmarks,
-                           const SolveOptions& options, Arena& scratch, JointProblem& problem) {
+Status JointProblem::build(const RigInput& input, const SolveOptions& options, Arena& scratch, JointProblem& problem) {
+  const std::span<const CameraView> views = input.cameras;
+  const std::span<const Landmark> landmarks = input.landmarks;
+  const std::size_t sensors = views.size() + input.lidars.size();
   std::size_t observations = 0;
   for (const CameraView& view : views) observations += view.observations.size();
   problem.terms = scratch.allocate<Term>(observations);
@@ -55,16 +58,20 @@ Status JointProblem::build(std::span<const CameraView> views, std::span<const La
   problem.sorted = scratch.allocate<double>(observations);
   problem.views = scratch.allocate<ViewTerms>(views.size());
   problem.landmarks = scratch.allocate<LandmarkTerms>(landmarks.size());
-  problem.state = {scratch.allocate<SE3>(views.size()), scratch.allocate<Vec3>(landmarks.size())};
-  problem.trial = {scratch.allocate<SE3>(views.size()), scratch.allocate<Vec3>(landmarks.size())};
+  problem.state = {scratch.allocate<SE3>(sensors), scratch.allocate<Vec3>(landmarks.size())};
+  problem.trial = {scratch.allocate<SE3>(sensors), scratch.allocate<Vec3>(landmarks.size())};
   const bool refused = problem.terms.size() != observations || problem.by_landmark.size() != observations ||
-                       problem.sorted.size() != observations || problem.views.empty() ||
-                       problem.landmarks.size() != landmarks.size() || problem.state.T_room_cam.empty() ||
-                       problem.state.u.size() != landmarks.size() || problem.trial.T_room_cam.empty() ||
+                       problem.sorted.size() != observations || problem.views.size() != views.size() ||
+                       problem.landmarks.size() != landmarks.size() || problem.state.T_room_sensor.empty() ||
+                       problem.state.u.size() != landmarks.size() || problem.trial.T_room_sensor.empty() ||
                        problem.trial.u.size() != landmarks.size();
   if (refused) return out_of_arena("scratch arena: no room for the joint problem: reserve solve_scratch_bytes()");
 
   problem.robust_scale = options.robust_scale;
+  problem.lidars = input.lidars;
+  problem.reference = input.reference;
+  for (std::size_t i = 0; i < input.lidars.size(); ++i)
+    problem.state.T_room_sensor[views.size() + i] = input.lidars[i].points.T_hat;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     LandmarkTerms& landmark = problem.landmarks[i];
     landmark.prior_room = landmarks[i].p_room;
@@ -79,10 +86,10 @@ Status JointProblem::build(std::span<const CameraView> views, std::span<const La
   return ok_status();
 }
 
-std::size_t JointProblem::bytes(std::size_t views, std::size_t observations, std::size_t landmarks) {
+std::size_t JointProblem::bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks) {
   constexpr std::size_t kAlignmentSlack = 9 * alignof(std::max_align_t);
   return observations * (sizeof(Term) + sizeof(uint32_t) + sizeof(double)) +
-         views * (sizeof(ViewTerms) + 2 * sizeof(SE3)) + landmarks * (sizeof(LandmarkTerms) + 2 * sizeof(Vec3)) +
+         sensors * (sizeof(ViewTerms) + 2 * sizeof(SE3)) + landmarks * (sizeof(LandmarkTerms) + 2 * sizeof(Vec3)) +
          kAlignmentSlack;
 }
 
@@ -93,13 +100,13 @@ double JointProblem::cost(const State& at) const {
     const RedescendingLoss loss(view.turn_over);
     Vec2 residual_px;
     const bool seen =
-        reproject(*view.camera, at.T_room_cam[term.view], point_room(at, term.landmark), term.centre_px, residual_px)
+        reproject(*view.camera, at.T_room_sensor[term.view], point_room(at, term.landmark), term.centre_px, residual_px)
             .ok();
     sum += seen ? loss((term.W * residual_px).squaredNorm()).loss : loss.max_loss();
   }
   for (std::size_t l = 0; l < landmarks.size(); ++l)
     if (!landmarks[l].exact) sum += at.u[l].squaredNorm();
-  return sum;
+  return sum + lidar_cost(*this, at);
 }
 
 void JointProblem::linearize() {
@@ -107,7 +114,7 @@ void JointProblem::linearize() {
     const camera::Camera& camera = *views[term.view].camera;
     const Vec3 p_room = point_room(state, term.landmark);
     Reprojection at;
-    term.visible = reproject(camera, state.T_room_cam[term.view], p_room, term.centre_px, at).ok();
+    term.visible = reproject(camera, state.T_room_sensor[term.view], p_room, term.centre_px, at).ok();
     if (!term.visible) continue;
     term.r = term.W * at.residual_px;
     term.J_pose = term.W * at.J_pose;
@@ -125,7 +132,7 @@ double JointProblem::reweight() {
   }
   for (std::size_t l = 0; l < landmarks.size(); ++l)
     if (!landmarks[l].exact) sum += state.u[l].squaredNorm();
-  return sum;
+  return sum + lidar_cost(*this, state);
 }
 
 void JointProblem::update_turn_over() {

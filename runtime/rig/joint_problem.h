@@ -44,25 +44,26 @@ struct ViewTerms {
 
 /// What the iteration changes.
 struct State {
-  std::span<SE3> T_room_cam;
+  std::span<SE3> T_room_sensor;  ///< cameras, then LiDARs
   std::span<Vec3> u;
 };
 
-/// All cameras and map points of a shot as one least-squares problem; lives in a scratch arena.
+/// All sensors and map points of a shot as one least-squares problem; lives in a scratch arena.
 struct JointProblem {
   std::span<Term> terms;            ///< view by view
   std::span<uint32_t> by_landmark;  ///< numbers of terms, landmark by landmark
   std::span<ViewTerms> views;
+  std::span<const LidarView> lidars;  ///< the caller's
+  std::size_t reference = kNoReference;
   std::span<LandmarkTerms> landmarks;
   std::span<double> sorted;  ///< scratch of update_turn_over(), one per term
   State state, trial;
   double robust_scale = 3;
 
   /// Lays the problem out. The inputs have passed check_inputs(). @return kOk or kOutOfMemory.
-  static Status build(std::span<const CameraView> views, std::span<const Landmark> landmarks,
-                      const SolveOptions& options, Arena& scratch, JointProblem& problem);
+  static Status build(const RigInput& input, const SolveOptions& options, Arena& scratch, JointProblem& problem);
   /// Bytes that build() takes.
-  static std::size_t bytes(std::size_t views, std::size_t observations, std::size_t landmarks);
+  static std::size_t bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks);
 
   Vec3 point_room(const State& at, std::size_t landmark) const {
     const LandmarkTerms& l = landmarks[landmark];

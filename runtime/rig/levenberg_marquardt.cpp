@@ -1,6 +1,7 @@
 #include "runtime/rig/levenberg_marquardt.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace roomcal::rig {
 
@@ -19,7 +20,8 @@ constexpr double kGoodEnough = 1e-4;   // sigma^2, when the rounds are used up
 constexpr double kUndamped = 1e-3;
 
 void accept_trial(JointProblem& problem) {
-  std::copy(problem.trial.T_room_cam.begin(), problem.trial.T_room_cam.end(), problem.state.T_room_cam.begin());
+  std::copy(problem.trial.T_room_sensor.begin(), problem.trial.T_room_sensor.end(),
+            problem.state.T_room_sensor.begin());
   std::copy(problem.trial.u.begin(), problem.trial.u.end(), problem.state.u.begin());
 }
 
@@ -34,7 +36,7 @@ Status minimize(JointProblem& problem, NormalEquations& equations, int max_itera
     double decrement = 0;
     equations.assemble(problem, damping);
     const bool solved = equations.step(problem, decrement).ok();
-    const bool tiny = solved && damping <= kUndamped && decrement <= kConverged + kConvergedRelative * cost;
+    const bool tiny = solved && damping <= kUndamped && decrement <= kConverged + kConvergedRelative * std::abs(cost);
     if (!tiny && !(solved && problem.cost(problem.trial) < cost)) {
       if (solved && damping <= kUndamped && decrement <= kRounding) {
         report.stop = StopReason::kConverged;

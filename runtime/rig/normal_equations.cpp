@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "runtime/math/dense_ldlt.h"
+#include "runtime/rig/lidar_terms.h"
 
 namespace roomcal::rig {
 
@@ -66,8 +67,8 @@ void eliminate(const JointProblem& problem, std::span<const uint32_t> group, con
 
 }  // namespace
 
-Status NormalEquations::build(std::size_t views, Arena& scratch, NormalEquations& equations) {
-  equations.size = 6 * views;
+Status NormalEquations::build(std::size_t sensors, Arena& scratch, NormalEquations& equations) {
+  equations.size = 6 * sensors;
   equations.S = scratch.allocate<double>(equations.size * equations.size);
   equations.dx = scratch.allocate<double>(equations.size);
   equations.gradient = scratch.allocate<double>(equations.size);
@@ -76,14 +77,15 @@ Status NormalEquations::build(std::size_t views, Arena& scratch, NormalEquations
   return ok_status();
 }
 
-std::size_t NormalEquations::bytes(std::size_t views) {
-  return (36 * views * views + 12 * views) * sizeof(double) + 3 * alignof(double);
+std::size_t NormalEquations::bytes(std::size_t sensors) {
+  return (36 * sensors * sensors + 12 * sensors) * sizeof(double) + 3 * alignof(double);
 }
 
 void NormalEquations::assemble(JointProblem& problem, double damping) {
   std::fill(S.begin(), S.end(), 0.0);
   std::fill(gradient.begin(), gradient.end(), 0.0);
   add_poses(problem, *this);
+  add_lidars(problem, *this);
   for (std::size_t i = 0; i < size; ++i) {
     S[i * size + i] *= 1 + damping;
     dx[i] = -gradient[i];
@@ -101,9 +103,9 @@ Status NormalEquations::step(JointProblem& problem, double& decrement) {
   ROOMCAL_TRY(ldlt_factor(S, size));
   ldlt_solve(S, size, dx);
   decrement = 0;
-  for (std::size_t view = 0; view < problem.views.size(); ++view) {
-    decrement -= part(gradient, view).dot(part(dx, view));
-    problem.trial.T_room_cam[view] = problem.state.T_room_cam[view] * se3_exp(part(dx, view));
+  for (std::size_t i = 0; i < problem.state.T_room_sensor.size(); ++i) {
+    decrement -= part(gradient, i).dot(part(dx, i));
+    problem.trial.T_room_sensor[i] = problem.state.T_room_sensor[i] * se3_exp(part(dx, i));
   }
   for (std::size_t l = 0; l < problem.landmarks.size(); ++l) {
     const LandmarkTerms& landmark = problem.landmarks[l];

@@ -16,10 +16,10 @@ struct NormalEquations {
   std::span<double> S;         ///< lower blocks filled by assemble()
   std::span<double> dx;        ///< right-hand side, then the step
   std::span<double> gradient;  ///< g_x, not reduced
-  std::size_t size = 0;        ///< 6 x views
+  std::size_t size = 0;        ///< 6 x sensors
 
-  static Status build(std::size_t views, Arena& scratch, NormalEquations& equations);
-  static std::size_t bytes(std::size_t views);
+  static Status build(std::size_t sensors, Arena& scratch, NormalEquations& equations);
+  static std::size_t bytes(std::size_t sensors);
 
   /// Fills S and dx's right-hand side; damping multiplies the diagonals of A and C by (1 + damping).
   /// Cost: linear in observations, quadratic in how many of them share one landmark.

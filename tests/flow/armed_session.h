@@ -28,7 +28,7 @@ class ArmedSession {
   /// One shot; what it left in the step arena is given back before the next one, so read the outcome first.
   Status calibrate(std::span<const ImageView> images) {
     arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
-    return calib::calibrate(session_, images, clock_, arenas_, *outcome_);
+    return calib::calibrate(session_, calib::Shot{images, {}}, clock_, arenas_, *outcome_);
   }
 
   const calib::Outcome& outcome() const { return *outcome_; }

@@ -108,7 +108,7 @@ TEST_F(Shot, ArenasSmallerThanThePlan_AreOutOfMemoryAndNothingElse) {
       arenas.step = Arena(std::span(rest).first(starve_step ? plan.step_bytes * part / 100 : plan.step_bytes));
       arenas.scratch = Arena(
           std::span(rest).subspan(plan.step_bytes, starve_step ? plan.scratch_bytes : plan.scratch_bytes * part / 100));
-      const Status status = calib::calibrate(session, images, clock, arenas, *outcome);
+      const Status status = calib::calibrate(session, calib::Shot{images, {}}, clock, arenas, *outcome);
       if (status.ok()) {
         EXPECT_EQ(outcome->verdict, calib::Verdict::kPass);
         ++done;

@@ -91,7 +91,7 @@ calib::Verdict run(const Options& options) {
   for (const cv::Mat& image : shot.images) images.push_back(view(image));
   const auto outcome = std::make_unique<calib::Outcome>();
   const calib::Session session{*device, map, index, {}};
-  require(calib::calibrate(session, images, SteadyClock(), arenas, *outcome), options.shot_folder);
+  require(calib::calibrate(session, calib::Shot{images, {}}, SteadyClock(), arenas, *outcome), options.shot_folder);
   report(options, *device, map, shot, *outcome, arenas.peak());
   return outcome->verdict;
 }

@@ -27,7 +27,7 @@ TEST(Session, NumberOfImagesUnlikeTheDevice_IsAnErrorAndNeverAPass) {
   Arenas arenas;
   const auto outcome = std::make_unique<Outcome>();
   outcome->verdict = Verdict::kPass;
-  EXPECT_EQ(calibrate({*device, map, index, {}}, {}, CountingClock(), arenas, *outcome).code(),
+  EXPECT_EQ(calibrate({*device, map, index, {}}, Shot(), CountingClock(), arenas, *outcome).code(),
             StatusCode::kInvalidArgument);
   EXPECT_EQ(outcome->verdict, Verdict::kFailService);
 }
@@ -46,7 +46,7 @@ TEST(Session, NoImageAtAll_FailsWithOneReasonACamera) {
   const std::vector<ImageView> images(2);
   const auto outcome = std::make_unique<Outcome>();
   // The map is empty, so the step arena is asked for nothing: a shot without images must not even get there.
-  const Status status = calibrate({*device, map, index, {}}, images, CountingClock(), arenas, *outcome);
+  const Status status = calibrate({*device, map, index, {}}, Shot{images, {}}, CountingClock(), arenas, *outcome);
   ASSERT_TRUE(status.ok()) << status.detail();
   EXPECT_EQ(outcome->verdict, Verdict::kFailRetry);
   ASSERT_EQ(outcome->reasons.size(), 2u);

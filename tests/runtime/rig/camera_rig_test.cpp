@@ -32,7 +32,7 @@ TEST(SolveCameras, NoiseFreeShot_IsExact) {
       Solver solver;
       ASSERT_TRUE(solver.solve(shot).ok());
       for (std::size_t i = 0; i < cameras; ++i) {
-        EXPECT_LT(pose_error(solver.solution.T_room_cam[i], shot.T_room_cam[i]).norm(), 1e-9);
+        EXPECT_LT(pose_error(solver.solution.T_room_sensor[i], shot.T_room_cam[i]).norm(), 1e-9);
         EXPECT_LT(solver.solution.rms_px[i], 1e-8);
         EXPECT_EQ(solver.solution.outliers[i], 0);
       }
@@ -52,7 +52,7 @@ TEST(SolveCameras, NoiseFreeShotWithMapCovariance_IsExactToo) {
   Solver solver;
   ASSERT_TRUE(solver.solve(shot).ok());
   for (std::size_t i = 0; i < shot.device.size(); ++i)
-    EXPECT_LT(pose_error(solver.solution.T_room_cam[i], shot.T_room_cam[i]).norm(), 1e-9);
+    EXPECT_LT(pose_error(solver.solution.T_room_sensor[i], shot.T_room_cam[i]).norm(), 1e-9);
 }
 
 TEST(SolveCameras, Chi2_FollowsItsDegreesOfFreedom) {
@@ -88,7 +88,7 @@ TEST(SolveCameras, Scatter_MeetsThePredictedCovariance) {
     for (int i = 0; i < draws; ++i) {
       test::redraw(random, room, options, shot);
       ASSERT_TRUE(solver.solve(shot).ok());
-      const Vec6 error = pose_error(solver.solution.T_room_cam[0], shot.T_room_cam[0]);
+      const Vec6 error = pose_error(solver.solution.T_room_sensor[0], shot.T_room_cam[0]);
       scatter += error * error.transpose() / draws;
       predicted += solver.solution.cov_block(0, 0) / draws;
       mean += error / draws;
@@ -114,7 +114,7 @@ TEST(SolveCameras, FivePercentGrossOutliers_AreFoundAndCostNothing) {
     std::size_t found = 0;
     for (std::size_t v = 0; v < shot.device.size(); ++v) {
       found += solver.solution.outliers[v];
-      const Vec6 error = pose_error(solver.solution.T_room_cam[v], shot.T_room_cam[v]);
+      const Vec6 error = pose_error(solver.solution.T_room_sensor[v], shot.T_room_cam[v]);
       nees += error.dot(solver.solution.cov_block(v, v).ldlt().solve(error));
       ++count;
     }
@@ -135,7 +135,7 @@ TEST(SolveCameras, CovariancesTooSmall_ShowInChi2InsteadOfOutliers) {
   EXPECT_NEAR(solver.solution.chi2 / solver.solution.degrees_of_freedom, 100, 15);
   for (std::size_t v = 0; v < 4; ++v) {
     EXPECT_LE(solver.solution.outliers[v], 1);
-    EXPECT_LT(pose_error(solver.solution.T_room_cam[v], shot.T_room_cam[v]).norm(), 2e-3);
+    EXPECT_LT(pose_error(solver.solution.T_room_sensor[v], shot.T_room_cam[v]).norm(), 2e-3);
   }
 }
 
@@ -179,7 +179,7 @@ TEST(SolveCameras, SameShotTwice_GivesTheSameBytes) {
   Solver first, second;
   ASSERT_TRUE(first.solve(shot).ok());
   ASSERT_TRUE(second.solve(shot).ok());
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(first.solution.T_room_cam[i].t, second.solution.T_room_cam[i].t);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(first.solution.T_room_sensor[i].t, second.solution.T_room_sensor[i].t);
   EXPECT_EQ(first.solution.cov_block(2, 1), second.solution.cov_block(2, 1));
 }
 

@@ -13,7 +13,7 @@ struct Fixture {
   explicit Fixture(const test::ShotOptions& options) : memory(4U << 20U), arena(memory) {
     truth::Random random(41);
     shot = test::make_shot(random, truth::make_room(random), options);
-    EXPECT_TRUE(JointProblem::build(shot.views(), shot.landmarks, {}, arena, problem).ok());
+    EXPECT_TRUE(JointProblem::build({shot.views(), {}, kNoReference, shot.landmarks}, {}, arena, problem).ok());
   }
   std::vector<std::byte> memory;
   Arena arena;
@@ -48,12 +48,12 @@ TEST(JointProblem, TurnOver_FollowsTheResidualsDownAndStopsAtTheScale) {
   for (std::size_t v = 0; v < 4; ++v) {
     wide.push_back(f.problem.views[v].turn_over);
     EXPECT_GT(wide[v], 30) << "the start is centimetres off";
-    f.problem.state.T_room_cam[v] = f.shot.T_room_cam[v];
+    f.problem.state.T_room_sensor[v] = f.shot.T_room_cam[v];
   }
   f.problem.linearize();
   f.problem.update_turn_over();
   for (std::size_t v = 0; v < 4; ++v) EXPECT_NEAR(f.problem.views[v].turn_over, 3, 0.7);
-  for (std::size_t v = 0; v < 4; ++v) f.problem.state.T_room_cam[v] = f.shot.start_T_room_cam[v];
+  for (std::size_t v = 0; v < 4; ++v) f.problem.state.T_room_sensor[v] = f.shot.start_T_room_cam[v];
   f.problem.linearize();
   f.problem.update_turn_over();
   for (std::size_t v = 0; v < 4; ++v) EXPECT_LT(f.problem.views[v].turn_over, 4) << "never raised again";

@@ -26,7 +26,7 @@ struct Fixture {
     shot = test::make_shot(random, room, options);
     shot.landmarks[3].cov_m2.setZero();  // exact ones among the others
     shot.landmarks[8].cov_m2.setZero();
-    EXPECT_TRUE(JointProblem::build(shot.views(), shot.landmarks, {}, arena, problem).ok());
+    EXPECT_TRUE(JointProblem::build({shot.views(), {}, kNoReference, shot.landmarks}, {}, arena, problem).ok());
     EXPECT_TRUE(NormalEquations::build(3, arena, equations).ok());
     for (Vec3& u : problem.state.u) u = 0.1 * random.normals<3>();
     problem.linearize();
@@ -88,7 +88,7 @@ TEST(NormalEquations, Step_SolvesTheDenseSystem) {
     ASSERT_TRUE(f.equations.step(f.problem, decrement).ok());
     EXPECT_NEAR(decrement, -g.dot(step), 1e-9 * decrement);
     for (std::size_t v = 0; v < 3; ++v) {
-      const Vec6 xi = se3_log(f.problem.state.T_room_cam[v].inverse() * f.problem.trial.T_room_cam[v]);
+      const Vec6 xi = se3_log(f.problem.state.T_room_sensor[v].inverse() * f.problem.trial.T_room_sensor[v]);
       EXPECT_LT((xi - step.segment<6>(6 * static_cast<Index>(v))).norm(), 1e-11);
     }
     for (std::size_t l = 0; l < f.problem.landmarks.size(); ++l) {
@@ -108,7 +108,7 @@ TEST(NormalEquations, Gradient_IsHalfTheDerivativeOfTheCost) {
       Vec6 xi = Vec6::Zero();
       xi[static_cast<Index>(k % 6)] = move;
       for (std::size_t v = 0; v < 3; ++v)
-        f.problem.trial.T_room_cam[v] = f.problem.state.T_room_cam[v] * se3_exp(v == k / 6 ? xi : Vec6::Zero());
+        f.problem.trial.T_room_sensor[v] = f.problem.state.T_room_sensor[v] * se3_exp(v == k / 6 ? xi : Vec6::Zero());
       for (std::size_t l = 0; l < f.problem.landmarks.size(); ++l) f.problem.trial.u[l] = f.problem.state.u[l];
       return f.problem.cost(f.problem.trial);
     };

@@ -47,7 +47,7 @@ void expect_degenerate_view_2(const Shot& shot, const char* what) {
   EXPECT_EQ(status.code(), StatusCode::kDegenerate) << what << ": " << status.detail();
   EXPECT_EQ(solver.degenerate_view, 2U) << what;
   EXPECT_NE(std::strstr(status.detail(), "more markers"), nullptr);
-  EXPECT_TRUE(solver.solution.T_room_cam.empty());
+  EXPECT_TRUE(solver.solution.T_room_sensor.empty());
 }
 
 TEST(Refusal, CameraWithFewObservations_IsDegenerate) {
@@ -102,7 +102,7 @@ void expect_code(StatusCode code, const std::function<void(Shot&, SolveOptions&)
   spoil(shot, options);
   Solver solver;
   EXPECT_EQ(solver.solve(shot, options).code(), code) << what;
-  EXPECT_TRUE(solver.solution.T_room_cam.empty()) << what;
+  EXPECT_TRUE(solver.solution.T_room_sensor.empty()) << what;
 }
 
 TEST(Refusal, BadNumbers_AreInvalid) {
@@ -170,7 +170,7 @@ TEST(Refusal, ArenaFullAtEveryRequest_IsOutOfMemory) {
   for (std::size_t part = 0; part < 64; ++part) {
     EXPECT_EQ(solve_with(need_scratch * part / 66, need_step).code(), StatusCode::kOutOfMemory) << part;
     EXPECT_EQ(solve_with(need_scratch, need_step * part / 66).code(), StatusCode::kOutOfMemory) << part;
-    EXPECT_TRUE(solution.T_room_cam.empty());
+    EXPECT_TRUE(solution.T_room_sensor.empty());
   }
   EXPECT_TRUE(solve_with(need_scratch, need_step).ok());
 }

@@ -19,7 +19,7 @@ struct TwoCameras {
       for (int j = 0; j < 12; ++j) cov[static_cast<std::size_t>(12 * i + j)] = joint(i, j);
     poses[0] = se3_exp((Vec6() << 1.0, 2.0, 1.1, 0.4, -1.2, 0.7).finished());
     poses[1] = se3_exp((Vec6() << 1.3, 1.8, 0.9, -0.8, 0.3, 1.9).finished());
-    solution.T_room_cam = poses;
+    solution.T_room_sensor = poses;
     solution.cov_room = cov;
   }
   std::vector<SE3> poses{2};

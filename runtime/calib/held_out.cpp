@@ -1,0 +1,89 @@
+#include "runtime/calib/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "runtime/calib/refine_jointly.h"
+#include "runtime/rig/reprojection.h"
+
+namespace roomcal::calib {
+
+namespace {
+
+constexpr int kEvery = 5;  // 20 %
+constexpr std::size_t kMinKept = 8;
+constexpr double kMedianOfSquare = 1.3862943611198906;  // chi-square with two degrees of freedom: 2 ln 2
+
+bool is_held_out(const rig::RingObservation& ring) { return ring.landmark % kEvery == kEvery / 2; }
+
+/// Squared miss of one ring in its predicted sigmas; negative if it cannot be predicted.
+double squared_miss(const camera::Camera& camera, const SE3& T_room_cam, const Mat66& cov_pose,
+                    const rig::RingObservation& ring, const rig::Landmark& landmark, double sigma_floor_px) {
+  rig::Reprojection at;
+  if (!rig::reproject(camera, T_room_cam, landmark.p_room, ring.centre_px, at).ok()) return -1;
+  Mat22 cov = ring.cov_px2 + at.J_pose * cov_pose * at.J_pose.transpose() +
+              at.J_point * landmark.cov_m2 * at.J_point.transpose();
+  cov.diagonal().array() += sigma_floor_px * sigma_floor_px;
+  return at.residual_px.dot(cov.ldlt().solve(at.residual_px));
+}
+
+/// Misses of all held-out rings. @return how many were written.
+std::size_t predict(const Session& session, const Outcome& outcome, const rig::RigSolution& kept,
+                    std::span<double> misses) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
+    const CameraOutcome& camera = outcome.cameras[i];
+    if (!camera.located) continue;
+    const Mat66 cov_pose = kept.cov_block(camera.view, camera.view);
+    for (const rig::RingObservation& ring : camera.rings.subspan(camera.kept_rings)) {
+      const double miss = squared_miss(session.device.cameras[i].camera, kept.T_room_sensor[camera.view], cov_pose,
+                                       ring, outcome.landmarks[ring.landmark], session.sigma_floor_px);
+      if (miss >= 0) misses[count++] = miss;
+    }
+  }
+  return count;
+}
+
+std::size_t count_held_out(const Outcome& outcome) {
+  std::size_t count = 0;
+  for (const CameraOutcome& camera : outcome.cameras)
+    if (camera.located) count += camera.rings.size() - camera.kept_rings;
+  return count;
+}
+
+}  // namespace
+
+void hold_out_last(CameraOutcome& camera) {
+  const auto kept = [](const rig::RingObservation& ring) { return !is_held_out(ring); };
+  const auto middle = std::partition(camera.rings.begin(), camera.rings.end(), kept);
+  camera.kept_rings = static_cast<std::size_t>(middle - camera.rings.begin());
+  if (camera.kept_rings < kMinKept) camera.kept_rings = camera.rings.size();
+}
+
+Status predict_held_out(const Session& session, Arenas& arenas, Outcome& outcome) {
+  outcome.held_out = {};
+  const std::size_t held_out = count_held_out(outcome);
+  if (held_out == 0) return ok_status();
+  const Arena::Scope scope(arenas.step);
+  JointProblemInput joint;
+  number_sensors(session, outcome, joint);
+  for (const CameraOutcome& camera : outcome.cameras)
+    if (camera.located) joint.cameras[camera.view].observations = camera.rings.first(camera.kept_rings);
+  rig::RigSolution kept;
+  const Status status =
+      rig::solve_rig(joint.input(outcome.landmarks), solve_options(session), arenas.step, arenas.scratch, kept);
+  if (status.code() == StatusCode::kOutOfMemory) return status;
+  if (!status.ok()) return ok_status();  // four fifths do not determine what all do: the covariance says so already
+  const std::span<double> misses = arenas.step.allocate<double>(held_out);
+  if (misses.empty()) return out_of_arena("step arena: no room for held-out markers: reserve plan_memory()");
+  const std::size_t count = predict(session, outcome, kept, misses);
+  if (count == 0) return ok_status();
+  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(misses.begin(), middle, misses.begin() + static_cast<std::ptrdiff_t>(count));
+  outcome.held_out = {count, std::sqrt(*middle / kMedianOfSquare)};
+  return ok_status();
+}
+
+}  // namespace roomcal::calib

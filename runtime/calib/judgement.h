@@ -1,0 +1,42 @@
+#pragma once
+
+#include <algorithm>
+
+#include "runtime/calib/outcome.h"
+#include "runtime/calib/quality_gate.h"
+#include "runtime/calib/reason.h"
+
+namespace roomcal::calib {
+
+/// Collects reasons; the verdict is the worst that any of them asks for.
+class Judgement {
+ public:
+  explicit Judgement(Outcome& outcome) : outcome_(outcome) {
+    outcome_.verdict = Verdict::kPass;
+    outcome_.reasons.clear();
+  }
+  void add(Verdict verdict, const Reason& reason) {
+    outcome_.verdict = std::max(outcome_.verdict, verdict);
+    // A full list keeps the first reasons: they stand nearest to the cause. The verdict is not lost.
+    static_cast<void>(outcome_.reasons.push_back(reason));
+  }
+
+ private:
+  Outcome& outcome_;
+};
+
+/// A sensor's name for "%.*s".
+struct Name {
+  explicit Name(const SensorName& name) : length(static_cast<int>(name.view().size())), text(name.view().data()) {}
+  int length;
+  const char* text;
+};
+
+/// 1-sigma of an extrinsic against the limits.
+void judge_covariance(const SensorName& name, const Mat66& cov_rig_sensor, const Limits& limits, Judgement& judgement);
+
+/// An extrinsic against its drawing.
+void judge_mounting(const SensorName& name, const NominalMounting& nominal, const SE3& T_rig_sensor,
+                    const Limits& limits, Judgement& judgement);
+
+}  // namespace roomcal::calib

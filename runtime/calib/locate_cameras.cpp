@@ -1,0 +1,102 @@
+#include <algorithm>
+
+#include "runtime/calib/locate_sensors.h"
+#include "runtime/calib/preflight.h"
+#include "runtime/calib/reason.h"
+
+namespace roomcal::calib {
+
+namespace {
+
+CameraOutcome& add_camera(const CameraSpec& spec, Outcome& outcome) {
+  CameraOutcome camera;
+  camera.name = spec.name;
+  static_cast<void>(outcome.cameras.push_back(camera));  // as many as the device's, same capacity
+  return outcome.cameras.back();
+}
+
+void preflight_lidars(const Session& session, std::span<const Sweeps> sweeps, Outcome& outcome) {
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    static_cast<void>(outcome.lidars.push_back({}));  // as many as the device's, same capacity
+    check_sweeps(session.device.lidars[i], sweeps[i], outcome.lidars.back());
+  }
+}
+
+void take(std::span<marker::Detection> detections, CameraOutcome& camera) {
+  camera.detections = detections;
+  camera.usable_detections =
+      static_cast<std::size_t>(std::count_if(detections.begin(), detections.end(), [](const marker::Detection& d) {
+        return d.status == marker::DetectionStatus::kOk;
+      }));
+}
+
+pose::Observation to_observation(const marker::Detection& detection) {
+  return {detection.centre_px, detection.cov_px2, detection.ellipse.major_px, detection.ellipse.minor_px,
+          detection.ellipse.angle_rad};
+}
+
+Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraOutcome& camera) {
+  const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
+  for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
+  pose::CameraLocation location;
+  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index, {},
+                                            arenas.step, arenas.scratch, location);
+  if (status.code() == StatusCode::kOutOfMemory) return status;
+  if (!status.ok()) {
+    camera.failure = sensor_reason(camera.name, status);
+    return ok_status();
+  }
+  camera.located = true;
+  camera.T_room_cam = location.T_room_cam;
+  camera.cov_room_cam = location.cov;
+  camera.inliers = location.inliers;
+  camera.coverage = location.coverage;
+  camera.log_likelihood_gap = location.log_likelihood_gap;
+  return ok_status();
+}
+
+}  // namespace
+
+void preflight(const Session& session, const Shot& shot, Outcome& outcome) {
+  outcome.reference = session.device.reference;
+  for (std::size_t i = 0; i < shot.images.size(); ++i) {
+    CameraOutcome& camera = add_camera(session.device.cameras[i], outcome);
+    camera.has_image = !shot.images[i].empty();
+    camera.failure = check_image(session.device.cameras[i], shot.images[i]);
+  }
+  preflight_lidars(session, shot.sweeps, outcome);
+}
+
+void take_detections(const Session& session, const DetectedShot& shot, Outcome& outcome) {
+  outcome.reference = session.device.reference;
+  for (std::size_t i = 0; i < shot.rings.size(); ++i) {
+    CameraOutcome& camera = add_camera(session.device.cameras[i], outcome);
+    camera.has_image = !shot.rings[i].empty();
+    if (!camera.has_image) camera.failure = check_image(session.device.cameras[i], {});
+    take(shot.rings[i], camera);
+  }
+  preflight_lidars(session, shot.sweeps, outcome);
+}
+
+Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcome) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    CameraOutcome& camera = outcome.cameras[i];
+    if (!camera.failure.empty()) continue;
+    const auto detections = arenas.step.allocate<marker::Detection>(kMaxDetections);
+    if (detections.empty()) return out_of_arena("step arena: no room for detections: reserve plan_memory()");
+    std::size_t count = 0;
+    const Status status = marker::detect(images[i], {}, arenas.scratch, detections, count);
+    if (status.code() == StatusCode::kOutOfMemory) return status;
+    if (!status.ok() && status.code() != StatusCode::kCapacity) camera.failure = sensor_reason(camera.name, status);
+    take(detections.first(count), camera);
+  }
+  return ok_status();
+}
+
+Status locate_cameras(const Session& session, Arenas& arenas, Outcome& outcome) {
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+    if (outcome.cameras[i].failure.empty()) ROOMCAL_TRY(locate_one(session, i, arenas, outcome.cameras[i]));
+  return ok_status();
+}
+
+}  // namespace roomcal::calib
