@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "tools/common/steady_clock.h"
 #include "tools/device/device_yaml.h"
 #include "tools/export/record_file.h"
+#include "tools/export/result_json.h"
 #include "tools/map/map_builder.h"
 
 namespace roomcal::tools {
@@ -35,6 +37,15 @@ struct Options {
   std::string draw_folder;
   std::string truth_file;
   std::string record_file;
+  std::string installed_file;
+  std::size_t sweeps = 1;
+  bool dry_run = false;
+};
+
+/// A finished run.
+struct Finished {
+  calib::Verdict verdict = calib::Verdict::kFailService;
+  bool moved = false;
 };
 
 template <typename T>
@@ -62,54 +73,102 @@ void write_as_device(const calib::Outcome& outcome, const calib::Device& device,
   write_record(file, *record);
 }
 
-void report(const Options& options, const calib::Device& device, const map::RoomMap& map, const Shot& shot,
+void report(const Options& options, const calib::Device& device, const map::RoomMap& map, const ShotFolder& shot,
             const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
   for (const std::string& trouble : shot.troubles) fmt::print(stderr, "roomcal: {}\n", trouble);
   print_outcome(outcome, arena_peak_bytes);
   if (!options.truth_file.empty()) print_against_truth(outcome, options.truth_file);
   if (!options.json_file.empty())
     write_atomic(options.json_file, to_json(outcome, device, map, arena_peak_bytes).dump(1) + "\n");
-  if (!options.record_file.empty()) write_as_device(outcome, device, map, options.record_file);
+  if (!options.record_file.empty() && !options.dry_run) write_as_device(outcome, device, map, options.record_file);
   if (!options.draw_folder.empty()) draw_outcome(outcome, device, map, shot, options.draw_folder);
 }
 
-calib::Verdict run(const Options& options) {
+store::Record read_installed(const std::string& file) {
+  if (std::filesystem::path(file).extension() == ".json") return parse_result(file, read_text(file));
+  return read_record(file);
+}
+
+// As on the device: everything is reserved from the plan, then nothing is allocated.
+class ArmedDevice {
+ public:
+  ArmedDevice(const calib::Device& device, const map::RoomMap& map, const std::string& map_file)
+      : plan_(calib::plan_memory(device, map)),
+        block_(plan_.total_bytes()),
+        arenas_(must(Arenas::carve(block_, plan_.permanent_bytes, plan_.scratch_bytes), "memory plan")),
+        index_(must(map::TriangleIndex::build(map, arenas_.permanent), map_file)) {
+    if (!device.lidars.empty())
+      surface_ = must(scan::Surface::build(map, {}, arenas_.permanent, arenas_.scratch), map_file);
+    arenas_.permanent.seal();
+  }
+
+  calib::Session session(const calib::Device& device, const map::RoomMap& map) const {
+    return {.device = device, .map = map, .index = index_, .limits = {}, .surface = &surface_};
+  }
+  Arenas& arenas() { return arenas_; }
+
+ private:
+  calib::MemoryPlan plan_;
+  std::vector<std::byte> block_;
+  Arenas arenas_;
+  map::TriangleIndex index_;
+  scan::Surface surface_;
+};
+
+Finished run(const Options& options) {
   const LoadedMap loaded = load_map(options.map_file);
-  const map::RoomMap& map = loaded.map;
-  const auto device =
-      std::make_unique<calib::Device>(to_runtime(read_device(options.device_file), options.device_file));
-  const Shot shot = read_shot(options.shot_folder, *device);
+  const Device description = read_device(options.device_file);
+  const auto device = std::make_unique<calib::Device>(to_runtime(description, options.device_file));
+  const ShotFolder folder = read_shot(options.shot_folder, description, options.sweeps);
+  const ShotView shot(folder);
+  std::unique_ptr<store::Record> installed;
+  if (!options.installed_file.empty())
+    installed = std::make_unique<store::Record>(read_installed(options.installed_file));
 
-  // As on the device: everything is reserved from the plan, then nothing is allocated.
-  const calib::MemoryPlan plan = calib::plan_memory(*device, map);
-  std::vector<std::byte> block(plan.total_bytes());
-  Arenas arenas = must(Arenas::carve(block, plan.permanent_bytes, plan.scratch_bytes), "memory plan");
-  const map::TriangleIndex index = must(map::TriangleIndex::build(map, arenas.permanent), options.map_file);
-  arenas.permanent.seal();
-
-  std::vector<ImageView> images;
-  for (const cv::Mat& image : shot.images) images.push_back(view(image));
+  ArmedDevice armed(*device, loaded.map, options.map_file);
+  calib::Session session = armed.session(*device, loaded.map);
+  session.installed = installed.get();
   const auto outcome = std::make_unique<calib::Outcome>();
-  const calib::Session session{*device, map, index, {}};
-  require(calib::calibrate(session, calib::Shot{images, {}}, SteadyClock(), arenas, *outcome), options.shot_folder);
-  report(options, *device, map, shot, *outcome, arenas.peak());
-  return outcome->verdict;
+  require(calib::calibrate(session, shot.shot(), SteadyClock(), armed.arenas(), *outcome), options.shot_folder);
+  report(options, *device, loaded.map, folder, *outcome, armed.arenas().peak());
+  return {outcome->verdict, outcome->installed.moved};
+}
+
+void add_common_options(CLI::App& command, Options& options) {
+  command.add_option("--map", options.map_file, "baked room (*.room)")->required();
+  command.add_option("--device", options.device_file, "device.yaml")->required();
+  command.add_option("--shot", options.shot_folder, "folder with an image per camera and a sweep file per LiDAR")
+      ->required();
+  command.add_option("--sweeps", options.sweeps, "sweeps of each LiDAR that take part; 0: all that are there")
+      ->capture_default_str();
+  command.add_option("--json", options.json_file, "write the result to this file");
+  command.add_option("--draw", options.draw_folder, "write annotated pictures into this folder");
 }
 
 }  // namespace
 
 void add_calibrate_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("calibrate", "one shot of images in, judged extrinsics out");
-  command->add_option("--map", options->map_file, "baked room (*.room)")->required();
-  command->add_option("--device", options->device_file, "device.yaml")->required();
-  command->add_option("--shot", options->shot_folder, "folder with one image per camera, named after it")->required();
-  command->add_option("--json", options->json_file, "write the result to this file");
-  command->add_option("--draw", options->draw_folder, "write annotated pictures into this folder");
+  CLI::App* command = app.add_subcommand("calibrate", "one shot of images and sweeps in, judged extrinsics out");
+  add_common_options(*command, *options);
   command->add_option("--record", options->record_file,
                       "write the record that a device would store, if the verdict lets it");
   command->add_option("--truth", options->truth_file, "truth.json of a simulated shot: print errors beside sigmas");
-  command->callback([options, &exit_code] { exit_code = calib::may_write(run(*options)) ? 0 : 2; });
+  command->add_option("--installed", options->installed_file, "record or result in force: say what has moved since");
+  command->add_flag("--dry-run", options->dry_run, "run and judge everything, write no record");
+  command->callback([options, &exit_code] { exit_code = calib::may_write(run(*options).verdict) ? 0 : 2; });
+}
+
+void add_verify_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  options->dry_run = true;
+  CLI::App* command = app.add_subcommand("verify", "one shot against the installed record: has a sensor moved?");
+  add_common_options(*command, *options);
+  command->add_option("--installed", options->installed_file, "record (or result, *.json) in force")->required();
+  command->callback([options, &exit_code] {
+    const Finished finished = run(*options);
+    exit_code = calib::may_write(finished.verdict) && !finished.moved ? 0 : 2;
+  });
 }
 
 }  // namespace roomcal::tools

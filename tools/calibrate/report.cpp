@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tools/calibrate/draw_sweeps.h"
 #include "tools/common/draw.h"
 #include "tools/common/error.h"
 #include "tools/common/files.h"
@@ -40,16 +41,47 @@ SE3 pose_from(const json& truth, const std::string& name) {
   return SE3::from_matrix(T);
 }
 
-void print_truth_line(const calib::CameraOutcome& camera, const SE3& T_rig_cam_true) {
-  const Vec6 error = se3_log(camera.T_rig_cam.inverse() * T_rig_cam_true);
-  const Sigmas sigma = sigmas(camera.cov_rig_cam);
-  const double nees = error.dot(camera.cov_rig_cam.inverse() * error);
+void print_truth_line(const calib::LocatedSensor& sensor, const SE3& T_rig_sensor_true) {
+  const Vec6 error = se3_log(sensor.T_rig_sensor.inverse() * T_rig_sensor_true);
+  const Sigmas sigma = sigmas(sensor.cov_rig_sensor);
+  const double nees = error.dot(sensor.cov_rig_sensor.inverse() * error);
   fmt::print(
       "  {:<6} t = ({:9.3f} {:9.3f} {:9.3f}) mm   truth ({:9.3f} {:9.3f} {:9.3f})   error {:.3f} mm {:.4f} deg   "
       "sigma {:.3f} mm {:.4f} deg   NEES {:.1f}/6\n",
-      camera.name.view(), 1e3 * camera.T_rig_cam.t.x(), 1e3 * camera.T_rig_cam.t.y(), 1e3 * camera.T_rig_cam.t.z(),
-      1e3 * T_rig_cam_true.t.x(), 1e3 * T_rig_cam_true.t.y(), 1e3 * T_rig_cam_true.t.z(), 1e3 * error.head<3>().norm(),
-      rad_to_deg(error.tail<3>().norm()), sigma.t_mm, sigma.rot_deg, nees);
+      sensor.name.view(), 1e3 * sensor.T_rig_sensor.t.x(), 1e3 * sensor.T_rig_sensor.t.y(),
+      1e3 * sensor.T_rig_sensor.t.z(), 1e3 * T_rig_sensor_true.t.x(), 1e3 * T_rig_sensor_true.t.y(),
+      1e3 * T_rig_sensor_true.t.z(), 1e3 * error.head<3>().norm(), rad_to_deg(error.tail<3>().norm()), sigma.t_mm,
+      sigma.rot_deg, nees);
+}
+
+void print_lidar(const calib::LidarOutcome& lidar) {
+  const scan::Location& location = lidar.location;
+  fmt::print("  {:<6} {} of {} sweeps, {} of {} points are inliers", lidar.name.view(), lidar.used_sweeps, lidar.sweeps,
+             location.inliers, location.points);
+  if (lidar.located) fmt::print(", {:.1f} mm rms", 1e3 * location.rms_m);
+  if (lidar.in_rig) {
+    const Sigmas sigma = sigmas(lidar.cov_rig_lidar);
+    fmt::print(", sigma {:.2f} mm {:.3f} deg", sigma.t_mm, sigma.rot_deg);
+  }
+  fmt::print("\n");
+  for (const scan::WeakDirection& weak : location.weak)
+    if (lidar.located) fmt::print("         {}\n", scan::describe(weak).view());
+}
+
+void print_installed(const calib::InstalledCheck& check) {
+  if (!check.done) return;
+  fmt::print("against the installed record: {}, p {:.2g}\n",
+             check.moved ? fmt::format("{} has moved", check.moved_sensor.view()) : "nothing has moved", check.p_value);
+  for (const calib::SensorChange& change : check.sensors) {
+    if (!change.comparable) {
+      fmt::print("  {:<6} not in this shot\n", change.name.view());
+      continue;
+    }
+    const Sigmas sigma = sigmas(change.cov);
+    fmt::print("  {:<6} {:.3f} mm {:.4f} deg, sigma {:.3f} mm {:.4f} deg, p {:.2g}\n", change.name.view(),
+               1e3 * change.delta.head<3>().norm(), rad_to_deg(change.delta.tail<3>().norm()), sigma.t_mm,
+               sigma.rot_deg, change.p_value);
+  }
 }
 
 const cv::Scalar kResidualColour(60, 60, 255);
@@ -87,6 +119,11 @@ void print_outcome(const calib::Outcome& outcome, std::size_t arena_peak_bytes) 
     }
     fmt::print("\n");
   }
+  for (const calib::LidarOutcome& lidar : outcome.lidars) print_lidar(lidar);
+  if (outcome.held_out.markers > 0)
+    fmt::print("held-out markers: {}, missed by {:.2f} sigma\n", outcome.held_out.markers,
+               outcome.held_out.median_sigmas);
+  print_installed(outcome.installed);
   fmt::print("time:");
   for (std::size_t s = 0; s < outcome.stage_ns.size(); ++s)
     fmt::print(" {} {:.2f} ms", calib::to_string(static_cast<calib::Stage>(s)),
@@ -100,16 +137,18 @@ void print_against_truth(const calib::Outcome& outcome, const fs::path& truth_fi
   try {
     const json truth = json::parse(read_text(truth_file));
     const SE3 T_rig_room = pose_from(truth, std::string(reference.name.view())).inverse();
-    for (const calib::CameraOutcome& camera : outcome.cameras)
-      if (camera.in_rig && &camera != &reference)
-        print_truth_line(camera, T_rig_room * pose_from(truth, std::string(camera.name.view())));
+    for (const calib::LocatedSensor& sensor : calib::located_sensors(outcome)) {
+      const std::string name(sensor.name.view());
+      if (sensor.in_rig && name != reference.name.view() && truth.at("T_room_sensor").contains(name))
+        print_truth_line(sensor, T_rig_room * pose_from(truth, name));
+    }
   } catch (const json::exception& error) {
     throw ToolError(truth_file.string() + ": is not the truth of this shot: " + error.what());
   }
 }
 
-void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map, const Shot& shot,
-                  const fs::path& folder) {
+void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
+                  const ShotFolder& shot, const fs::path& folder) {
   fs::create_directories(folder);
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (shot.images[i].empty()) continue;
@@ -119,6 +158,7 @@ void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, co
     if (camera.located) draw_residuals(camera, device.cameras[i].camera, map, picture);
     write_image(folder / (std::string(camera.name.view()) + "_calibrated.png"), picture);
   }
+  draw_sweeps(outcome, device, map, shot, folder);
 }
 
 }  // namespace roomcal::tools

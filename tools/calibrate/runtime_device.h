@@ -7,9 +7,10 @@
 
 namespace roomcal::tools {
 
-/// The cameras of a device as the runtime wants them: fixed capacities, camera models checked.
+/// The sensors of a device as the runtime wants them: fixed capacities, camera models checked.
 /// @param source  where the device came from, for messages.
-/// @throws ToolError for more cameras than calib::kMaxCameras, no camera, or a reference sensor that is not a camera.
+/// @throws ToolError for more cameras or LiDARs than the runtime has room for, a LiDAR model that is not known, no
+/// camera, or a reference sensor that is not a camera.
 calib::Device to_runtime(const Device& device, const std::string& source);
 
 }  // namespace roomcal::tools

@@ -34,6 +34,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_sheets_command(app);
   add_simulate_command(app, exit_code);
   add_sweep_command(app, exit_code);
+  add_verify_command(app, exit_code);
 }
 
 }  // namespace roomcal::tools
