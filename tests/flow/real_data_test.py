@@ -20,6 +20,9 @@ DATA = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
 # device -> translation mm, rotation degree: the errors to truth that a shot may have
 SHOT_BARS = {"stereo": (0.15, 0.005), "robot": (0.15, 0.005), "backpack": (0.10, 0.003), "tls": (0.10, 0.003)}
 
+LIDAR_BAR = (3.0, 0.05)  # camera-LiDAR and LiDAR-LiDAR, in the directions that the report calls observed
+SWEEPS = {"one": 1, "all": 0}
+
 
 def roomcal(*arguments, expect=0):
     done = subprocess.run([str(ROOMCAL), *map(str, arguments)], capture_output=True, text=True, check=False)
@@ -45,6 +48,40 @@ def errors(T_estimated, T_true):
     sine = 0.5 * math.hypot(D[2][1] - D[1][2], D[0][2] - D[2][0], D[1][0] - D[0][1])
     cosine = 0.5 * (D[0][0] + D[1][1] + D[2][2] - 1)
     return 1e3 * math.hypot(*(D[i][3] for i in range(3))), math.degrees(math.atan2(sine, cosine))
+
+
+def without(vector, axes):
+    """A vector less what lies in the span of the axes."""
+    basis = []
+    for axis in axes:
+        for b in basis:
+            along = sum(x * y for x, y in zip(axis, b))
+            axis = [x - along * y for x, y in zip(axis, b)]
+        length = math.hypot(*axis)
+        if length > 1e-6:
+            basis.append([x / length for x in axis])
+    for b in basis:
+        along = sum(x * y for x, y in zip(vector, b))
+        vector = [x - along * y for x, y in zip(vector, b)]
+    return vector
+
+
+def observed_errors(T_estimated, T_true, weak_axes):
+    """As errors(), without the weak axes: {"position": [...], "rotation": [...]} in the second frame."""
+    D = matmul(inverse(T_estimated), T_true)
+    t = without([D[i][3] for i in range(3)], weak_axes["position"])
+    r = without([0.5 * (D[2][1] - D[1][2]), 0.5 * (D[0][2] - D[2][0]), 0.5 * (D[1][0] - D[0][1])], weak_axes["rotation"])
+    return 1e3 * math.hypot(*t), math.degrees(math.hypot(*r))
+
+
+def weak_axes(result, names, frame):
+    """Weak axes of the named sensors, in the frame of one of them."""
+    T_frame_room = inverse(result["sensors"][frame]["T_room_sensor"])
+    axes = {"position": [], "rotation": []}
+    for name in names:
+        for weak in result["sensors"][name].get("weak_directions", []):
+            axes[weak["kind"]].append([sum(T_frame_room[i][k] * weak["axis_room"][k] for k in range(3)) for i in range(3)])
+    return axes
 
 
 class Photographs(unittest.TestCase):
@@ -86,15 +123,15 @@ class RenderedShots(unittest.TestCase):
     def tearDownClass(cls):
         cls.temporary.cleanup()
 
-    def shot(self, device):
+    def shot(self, device, *more):
         source, config, report = DATA / "room-a" / device, self.folder / f"{device}.yaml", self.folder / f"{device}.json"
         roomcal("import", "kalibr", source / "camchain.yaml", "--nominal", source / "nominal.json", "-o", config)
-        roomcal("calibrate", "--map", self.folder / "room-a.room", "--device", config, "--shot", source, "--json", report)
+        roomcal("calibrate", "--map", self.folder / "room-a.room", "--device", config, "--shot", source, "--json", report, *more)
         return json.loads(report.read_text()), json.loads((source / "truth.json").read_text())
 
     def check_poses(self, device):
         result, truth = self.shot(device)
-        self.assertEqual(result["verdict"], "PASS", result["reasons"])
+        self.check_verdict(result)
         T_room = {name: truth["T_room_sensor"][name]["T"] for name in truth["cameras"]}
         T_rig_room = inverse(T_room[result["rig_frame"]])
         for name in sorted(T_room):
@@ -104,6 +141,36 @@ class RenderedShots(unittest.TestCase):
             self.assertLessEqual(mm, SHOT_BARS[device][0])
             self.assertLessEqual(deg, SHOT_BARS[device][1])
         print(f"{device}: arena peak {result['arena_peak_bytes'] / 2**20:.2f} MiB, {result['timing_ms']['total']:.0f} ms")
+
+    def check_verdict(self, result):
+        """PASS, or advice about directions that a LiDAR does not see and nothing else."""
+        if result["verdict"] != "PASS":
+            self.assertEqual(result["verdict"], "PASS_ADVISE", result["reasons"])
+            for reason in result["reasons"]:
+                self.assertIn("seen, 1-sigma", reason)
+
+    def check_lidars(self, device, sweeps):
+        result, truth = self.shot(device, "--sweeps", SWEEPS[sweeps])
+        self.check_verdict(result)
+        T_true = {name: pose["T"] for name, pose in truth["T_room_sensor"].items()}
+        lidars = [name for name, sensor in result["sensors"].items() if sensor["kind"] == "lidar"]
+        self.assertEqual(sorted(lidars), sorted(name for name in T_true if name.startswith("lidar")))
+        pairs = {(pair["a"], pair["b"]): pair for pair in result["pairs"]}
+        for b in lidars:
+            self.assertTrue(result["sensors"][b]["located"])
+            for a in sorted(T_true):
+                if a == b:
+                    continue
+                axes = weak_axes(result, {a, b}, b)
+                T_a_b_true = matmul(inverse(T_true[a]), T_true[b])
+                mm, deg = observed_errors(pairs[a, b]["T_a_b"], T_a_b_true, axes)
+                left_out = ", ".join(w["text"] for n in {a, b} for w in result["sensors"][n].get("weak_directions", []))
+                print(f"{device} {a}-{b}, {sweeps} sweep(s): {mm:.3f} mm (bar {LIDAR_BAR[0]}), {deg:.4f} deg "
+                      f"(bar {LIDAR_BAR[1]}){'; not counted: ' + left_out if left_out else ''}")
+                self.assertLessEqual(mm, LIDAR_BAR[0])
+                self.assertLessEqual(deg, LIDAR_BAR[1])
+                self.assertEqual(len(pairs[a, b]["covariance"]), 6)
+        print(f"{device}, {sweeps} sweep(s): {json.dumps({k: round(v, 1) for k, v in result['timing_ms'].items()})}")
 
     def check_detector(self, device):
         truth = json.loads((DATA / "room-a" / device / "truth.json").read_text())
@@ -128,6 +195,10 @@ class RenderedShots(unittest.TestCase):
 for one in SHOT_BARS:
     setattr(RenderedShots, f"test_{one}_meets_truth", lambda self, d=one: self.check_poses(d))
     setattr(RenderedShots, f"test_{one}_rings_are_found", lambda self, d=one: self.check_detector(d))
+
+for one in ("robot", "backpack", "tls"):
+    for many in SWEEPS:
+        setattr(RenderedShots, f"test_{one}_lidars_meet_truth_from_{many}", lambda self, d=one, n=many: self.check_lidars(d, n))
 
 if __name__ == "__main__":
     if DATA is None or not (DATA / "room-a").is_dir():
