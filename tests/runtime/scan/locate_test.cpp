@@ -1,5 +1,6 @@
 #include "runtime/scan/locate.h"
 
+#include <algorithm>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -302,6 +303,27 @@ TEST(Locate, WrongInputs_AreStatuses) {
   Arena none;
   EXPECT_EQ(locate(bench.room.surface(), {&view, 1}, {}, nullptr, {}, none, location).code(), StatusCode::kOutOfMemory);
   EXPECT_EQ(location.outcome, LocateOutcome::kRefused);
+}
+
+TEST(Locate, EveryScratchThatIsTooSmall_IsRefused) {
+  Bench bench(1);
+  const lidar::Sweep view = bench.sweep.view();
+  std::vector<std::byte> bytes(locate_scratch_bytes());
+  Location location;
+  Status status = out_of_arena("");
+  std::size_t size = 0;
+  for (; status.code() == StatusCode::kOutOfMemory; size += 512) {
+    ASSERT_LT(size, bytes.size() + 512);
+    Arena scratch{std::span(bytes).first(std::min(size, bytes.size()))};
+    status = locate(bench.room.surface(), {&view, 1}, {}, nullptr, {}, scratch, location);
+    EXPECT_EQ(scratch.used(), 0U);
+    if (!status.ok()) {
+      EXPECT_EQ(location.outcome, LocateOutcome::kRefused);
+    }
+  }
+  EXPECT_TRUE(status.ok()) << status.detail();
+  EXPECT_EQ(location.outcome, LocateOutcome::kLocated) << location.reason;
+  EXPECT_GE(size + 1024, locate_scratch_bytes());  // an honest bound, not a lavish one
 }
 
 TEST(Locate, State_StaysBelowOneMebibyte) { EXPECT_LE(locate_scratch_bytes() + sizeof(Location), 1U << 20); }

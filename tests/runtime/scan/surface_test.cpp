@@ -5,50 +5,20 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/runtime/scan/baked_room.h"
 #include "tests/runtime/scan/box.h"
 #include "tests/truth/random.h"
-#include "tools/map/complete_map.h"
-#include "tools/map/map_builder.h"
 #include "tools/simulate/make_room.h"
 
 namespace roomcal::scan {
 namespace {
 
-/// A map baked from the markers of a simulated room, and its surface.
-struct Baked {
-  explicit Baked(const tools::Scene& room) : scene(room) {
-    tools::MapData data;
-    data.id = "test";
-    for (const tools::SceneMarker& marker : tools::markers_of(scene)) {
-      map::MapMarker m;
-      m.id = static_cast<uint32_t>(marker.id);
-      m.p_room = marker.centre_room;
-      m.normal_room = marker.normal_room;
-      m.has_normal = true;
-      m.radius_m = marker.radius_m;
-      m.has_radius = true;
-      data.markers.push_back(m);
-    }
-    tools::complete_map(data);
-    map_bytes = tools::build_map(data);
-    const map::RoomMap map = map::RoomMap::open(std::as_const(map_bytes).span()).value();
-    arena_bytes.resize(Surface::bytes(map.plane_count(), map.marker_count()));
-    Arena arena{arena_bytes};
-    std::vector<std::byte> scratch_bytes(64 * 1024);
-    Arena scratch{scratch_bytes};
-    surface = Surface::build(map, {}, arena, scratch).value();
-  }
-
-  tools::Scene scene;
-  tools::AlignedBytes map_bytes{0};
-  std::vector<std::byte> arena_bytes;
-  Surface surface;
-};
+using test::BakedRoom;
 
 TEST(Surface, MapOfMarkersOnly_OutlinesReachTheEdgesOfTheRoom) {
   tools::RoomOptions options;
   options.seed = 4;
-  const Baked baked(tools::make_room(options));
+  const BakedRoom baked(tools::make_room(options));
   int walls = 0;
   for (const Face& face : baked.surface.faces()) {
     if (std::abs(face.normal_room.z()) > 0.9) continue;
@@ -73,7 +43,7 @@ TEST(Surface, MapOfMarkersOnly_OutlinesReachTheEdgesOfTheRoom) {
 TEST(Surface, WallWithoutCeiling_EndsAtItsHighestMarker) {
   tools::RoomOptions options;
   options.seed = 4;
-  const Baked baked(tools::make_room(options));
+  const BakedRoom baked(tools::make_room(options));
   double highest_marker = 0;
   for (const Print& print : baked.surface.prints()) highest_marker = std::max(highest_marker, print.p_room.z());
   for (const Face& face : baked.surface.faces()) {
@@ -85,7 +55,7 @@ TEST(Surface, Vertices_GoAroundCounterClockwiseSeenFromFreeSpace) {
   tools::RoomOptions options;
   options.seed = 9;
   options.pillar = true;
-  const Baked baked(tools::make_room(options));
+  const BakedRoom baked(tools::make_room(options));
   for (const Face& face : baked.surface.faces()) {
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : baked.surface.vertices_room(face)) middle += p / face.count;
@@ -105,6 +75,28 @@ TEST(FromPolygons, PolygonsThatAreNone_AreRefused) {
   }
   Arena arena{bytes};
   EXPECT_EQ(Surface::from_polygons({}, {}, arena).status().code(), StatusCode::kTooFew);
+}
+
+TEST(Surface, EveryArenaThatIsTooSmall_IsRefused) {
+  tools::RoomOptions options;
+  options.seed = 4;
+  options.markers = 40;
+  const BakedRoom baked(tools::make_room(options));
+  const std::size_t enough = Surface::bytes(baked.map.plane_count(), baked.map.marker_count());
+  std::vector<std::byte> permanent_bytes(enough), scratch_bytes(BakedRoom::kScratchBytes);
+  for (const bool starve_permanent : {true, false}) {
+    std::size_t size = 0;
+    Status status = out_of_arena("");
+    for (; status.code() == StatusCode::kOutOfMemory; size += 64) {
+      ASSERT_LE(size, starve_permanent ? enough : BakedRoom::kScratchBytes);
+      Arena permanent{std::span(permanent_bytes).first(starve_permanent ? size : enough)};
+      Arena scratch{std::span(scratch_bytes).first(starve_permanent ? BakedRoom::kScratchBytes : size)};
+      status = Surface::build(baked.map, {}, permanent, scratch).status();
+      EXPECT_EQ(scratch.used(), 0U);
+    }
+    EXPECT_TRUE(status.ok()) << status.detail();
+    EXPECT_GT(size, 64U);
+  }
 }
 
 TEST(Surface, EmptyMap_IsRefused) {
