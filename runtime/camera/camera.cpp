@@ -10,6 +10,10 @@ namespace roomcal::camera {
 
 namespace {
 
+// Beyond these a number is mistyped; memory plans grow with the size of the image.
+constexpr double kMaxFocal_px = 1e7;
+constexpr int kMaxSide_px = 65535;
+
 // Squared lengths outside this range are no metres of any room, and their reciprocals would overflow.
 constexpr double kMinLength2 = 1e-200, kMaxLength2 = 1e200;
 
@@ -37,6 +41,11 @@ Result<Camera> Camera::create(const Intrinsics& intrinsics) {
     return Status{StatusCode::kInvalidArgument, "focal length is not positive: check fx, fy (px)"};
   if (intrinsics.width_px <= 0 || intrinsics.height_px <= 0)
     return Status{StatusCode::kInvalidArgument, "image size is not positive: check the resolution"};
+
+  if (intrinsics.fx_px > kMaxFocal_px || intrinsics.fy_px > kMaxFocal_px)
+    return Status{StatusCode::kInvalidArgument, "focal length is beyond 1e7 px: check fx, fy (px)"};
+  if (intrinsics.width_px > kMaxSide_px || intrinsics.height_px > kMaxSide_px)
+    return Status{StatusCode::kInvalidArgument, "image size is beyond 65535 px a side: check the resolution"};
 
   Camera camera;
   camera.intrinsics_ = intrinsics;

@@ -6,6 +6,7 @@ usage: bad_input_test.py ROOMCAL
 
 import json
 import pathlib
+import random
 import struct
 import subprocess
 import sys
@@ -103,7 +104,32 @@ class BadInput(unittest.TestCase):
         self.device.write_text(self.device.read_text().replace("300", ".nan", 1))
         self.calibrate(1, "d.yaml")
 
+    def test_numbers_beyond_any_device_are_named(self):
+        text = self.device.read_text()
+        for old, new in (("[320, 240]", "[1000000000, 1000000000]"), ("[300, 300", "[1e300, 300")):
+            self.assertIn(old, text)
+            self.device.write_text(text.replace(old, new, 1))
+            self.calibrate(1, "d.yaml: cam0")
+
+    def test_nan_is_no_option(self):
+        for arguments in (("map", "compare", self.map, self.map, "--gate"),
+                          ("simulate", "shot", "--room", "r", "--device", "tls", "-o", "o", "--blur"),
+                          ("evaluate", "anchor-room", "f.yaml", "--map-sigma"),
+                          ("map", "noise", self.map, "-o", self.map, "--sigma")):
+            said = self.run_tool(105, *arguments, "nan")
+            self.assertIn("nan is not a number from", said)
+
+    def test_binary_noise_says_that_not_all_is_listed(self):
+        picture = self.folder / "noise.pgm"
+        picture.write_bytes(b"P5\n640 480\n255\n" + bytes(255 * (b & 1) for b in random.Random(1).randbytes(640 * 480)))
+        report = self.folder / "noise.json"
+        self.run_tool(2, "detect", picture, "--json", report, words=["noise.pgm", "left out"])
+        self.assertFalse(any(m["status"] == "ok" for m in json.loads(report.read_text())["images"][0]["markers"]))
+
     def test_output_that_cannot_be_written_is_named(self):
+        self.run_tool(1, "detect", self.shot / "cam0.png", "--draw", self.device, words=["d.yaml", "folder"])
+        self.run_tool(1, "calibrate", "--map", "/dev/null", "--device", self.device, "--shot", self.shot,
+                      words=["/dev/null", "name a file"])
         self.run_tool(1, "detect", self.shot / "cam0.png", "--json", "/proc/nothing/here.json", words=["/proc/nothing"])
 
 

@@ -15,6 +15,7 @@
 #include "tools/bake/survey_json.h"
 #include "tools/bake/survey_reader.h"
 #include "tools/common/files.h"
+#include "tools/common/option_check.h"
 #include "tools/map/map_builder.h"
 
 namespace roomcal::tools {
@@ -105,12 +106,12 @@ void add_bake_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--focal-sigma", prior.focal,
                    "Where the calibration is refined: how far focal lengths may be off, relative")
-      ->check(CLI::Range(1e-9, 0.1))
+      ->check(number_between(1e-9, 0.1))
       ->capture_default_str();
   command
       ->add_option("--baseline-sigma", prior.baseline,
                    "Where the calibration is refined: how far the baseline may be off, relative")
-      ->check(CLI::Range(1e-9, 0.1))
+      ->check(number_between(1e-9, 0.1))
       ->capture_default_str();
   command->add_option("--distances", arguments->bake.distances,
                       "Measured distances, CSV a,b,distance_m[,sigma_m]; an end is a marker's id or <pair>@<x>:<y> in "
@@ -118,7 +119,7 @@ void add_bake_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--marker-radius", arguments->bake.marker_radius_m,
                    "Outer radius of the printed markers, measured, m. It decides the scale")
-      ->check(CLI::Range(1e-3, map::kMaxRadius_m));
+      ->check(number_between(1e-3, map::kMaxRadius_m, "m"));
   command->add_option("--extend", arguments->extend,
                       "Put the survey into this map (*.room), made before the room changed: says which markers moved, "
                       "vanished or are new; the old map keeps frame, scale and ids");

@@ -149,7 +149,7 @@ void print_against_truth(const calib::Outcome& outcome, const fs::path& truth_fi
 
 void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
                   const ShotFolder& shot, const fs::path& folder) {
-  fs::create_directories(folder);
+  make_folder(folder);
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (shot.images[i].empty()) continue;
     const calib::CameraOutcome& camera = outcome.cameras[i];

@@ -26,9 +26,15 @@ class AlignedBytes {
 /// Whole file, aligned. @throws ToolError naming the path and what to check.
 AlignedBytes read_bytes(const std::filesystem::path& path);
 
-/// Replaces the file in one step: writes beside it, syncs, renames. A failure leaves the old file whole.
-/// @throws ToolError naming the path and the system's reason.
+/// Replaces the file in one step: writes beside it, syncs, renames. A failure leaves the old file whole. What is no
+/// file but a device or a pipe (/dev/stdout) is written into, not replaced; a link stays, and what it names is
+/// replaced.
+/// @throws ToolError naming the path, the system's reason and what to check.
 void write_atomic(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_atomic(const std::filesystem::path& path, const std::string& text);
+
+/// Makes the folder and those above it where they are missing.
+/// @throws ToolError naming the path, the system's reason and what to check.
+void make_folder(const std::filesystem::path& folder);
 
 }  // namespace roomcal::tools

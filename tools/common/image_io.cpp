@@ -17,7 +17,8 @@ cv::Mat read_grey(const fs::path& path) {
     // Orientation tags are ignored: intrinsics belong to the sensor's own rows and columns.
     image = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
-    throw ToolError(path.string() + ": cannot be decoded: " + error.what());
+    throw ToolError(path.string() + ": cannot be decoded (" + error.err +
+                    "); is it damaged, or larger than 2^30 pixels?");
   }
   if (image.empty())
     throw ToolError(path.string() + ": is not an image that can be read (PNG, JPEG, PGM), or is damaged");

@@ -42,12 +42,15 @@ json to_json(const marker::Detection& d) {
           {"status", to_string(d.status)}};
 }
 
-std::vector<marker::Detection> detect_in(const cv::Mat& grey, const std::string& file) {
+/// @param[out] complete  false where the detector's tables were full: what it found is valid, but not all.
+std::vector<marker::Detection> detect_in(const cv::Mat& grey, const std::string& file, bool& complete) {
   std::vector<std::byte> memory(marker::detector_scratch_bytes(grey.cols, grey.rows));
   Arena scratch(memory);
   std::vector<marker::Detection> detections(kMaxMarkers);
   std::size_t count = 0;
-  require(marker::detect(view(grey), {}, scratch, detections, count), file);
+  const Status status = marker::detect(view(grey), {}, scratch, detections, count);
+  complete = status.code() != StatusCode::kCapacity;
+  if (complete) require(status, file);
   detections.resize(count);
   return detections;
 }
@@ -61,14 +64,22 @@ fs::path picture_path(const Options& options, std::size_t i) {
   return fs::path(options.draw_folder) / (file.stem().string() + (unique ? "" : fmt::format("_{}", i)) + "_rings.png");
 }
 
-void run(const Options& options) {
+/// @return false if an image held more than the detector's tables: not all of it is in the results.
+bool run(const Options& options) {
+  bool all_complete = true;
   json report = {{"images", json::array()}};
-  if (!options.draw_folder.empty()) fs::create_directories(options.draw_folder);
+  if (!options.draw_folder.empty()) make_folder(options.draw_folder);
   Progress progress("detect", options.images.size());
   for (std::size_t i = 0; i < options.images.size(); ++i) {
     const std::string& file = options.images[i];
     const cv::Mat grey = read_grey(file);
-    const std::vector<marker::Detection> detections = detect_in(grey, file);
+    bool complete = true;
+    const std::vector<marker::Detection> detections = detect_in(grey, file, complete);
+    if (!complete) {
+      all_complete = false;
+      fmt::print(stderr,
+                 "roomcal: {}: more ring-like shapes than the detector keeps, some are left out; is it noise?\n", file);
+    }
     json markers = json::array();
     std::size_t usable = 0;
     for (const marker::Detection& d : detections) {
@@ -86,18 +97,19 @@ void run(const Options& options) {
     progress.step();
   }
   if (!options.json_file.empty()) write_atomic(options.json_file, report.dump(1) + "\n");
+  return all_complete;
 }
 
 }  // namespace
 
 void add_detect_command(CLI::App& app, int& exit_code) {
-  static_cast<void>(exit_code);  // no verdict: seeing no marker is an answer
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("detect", "find ring markers in images");
   command->add_option("images", options->images, "image files (PNG, JPEG, PGM)")->required();
   command->add_option("--json", options->json_file, "write the detections to this file");
   command->add_option("--draw", options->draw_folder, "write annotated pictures into this folder");
-  command->callback([options] { run(*options); });
+  // Seeing no marker is an answer; having left some out is none.
+  command->callback([options, &exit_code] { exit_code = run(*options) ? 0 : 2; });
 }
 
 }  // namespace roomcal::tools

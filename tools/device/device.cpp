@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxName = 31;     // SensorName of the runtime
 constexpr std::size_t kMaxSensors = 64;  // far above any device; a list beyond is a damaged file
+constexpr double kMaxLever_m = 100;      // no rig is larger
 constexpr double kIdentitySlack = 1e-9;
 
 bool is_name(const std::string& name) {
@@ -31,6 +32,10 @@ bool is_identity(const SE3& T) {
 void check_nominal(const NominalMount& nominal, const std::string& where) {
   if (!nominal.T_rig_sensor.R.allFinite() || !nominal.T_rig_sensor.t.allFinite()) {
     throw ToolError(where + ": the nominal mount is not finite");
+  }
+  if (!(nominal.T_rig_sensor.t.norm() <= kMaxLever_m)) {
+    throw ToolError(fmt::format("{}: the nominal mount is more than {} m from the rig frame; translations are metres",
+                                where, kMaxLever_m));
   }
   if (!(nominal.sigma_t_m > 0 && nominal.sigma_t_m <= 10)) {
     throw ToolError(where + ": sigma_t_m must be between 0 and 10 m; how far off may the mounting be?");

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "tools/common/files.h"
+#include "tools/common/option_check.h"
 #include "tools/evaluate/anchor_room.h"
 #include "tools/map/map_builder.h"
 
@@ -100,12 +101,12 @@ void add_evaluate_anchor_room(CLI::App& evaluate, int& exit_code) {
                       "use this map of the room (*.room) instead of the file's, e.g. one baked from its key points");
   command->add_option("--json", arguments->json, "write the figures here");
   command->add_option("--map-sigma", arguments->map_sigma_mm, "standard deviation of the map's points, mm per axis")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_between(0.0, 100.0, "mm"))
       ->capture_default_str();
   command
       ->add_option("--sigma-px", arguments->options.sigma_px,
                    "standard deviation of the key points, px per axis; 0: from the joint fit")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(number_between(0.0, 10.0, "px"))
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "order in which triangles are tried")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "results do not depend on it")

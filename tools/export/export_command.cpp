@@ -37,9 +37,7 @@ std::string text_of(const store::Record& record, exports::Format format, const s
 }
 
 void export_ros(const store::Record& record, const std::string& input, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder / "camera_info", error);
-  if (error) throw ToolError(folder.string() + ": cannot make the folder: " + error.message());
+  make_folder(folder / "camera_info");
   write_atomic(folder / "rig.urdf", text_of(record, exports::Format::kUrdf, {}, input));
   write_atomic(folder / "static_transforms.launch.xml", text_of(record, exports::Format::kRosTf, {}, input));
   for (const store::SensorRecord& sensor : record.sensors) {

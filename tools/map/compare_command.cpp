@@ -8,6 +8,7 @@
 
 #include "tools/common/error.h"
 #include "tools/common/files.h"
+#include "tools/common/option_check.h"
 #include "tools/map/compare.h"
 #include "tools/map/map_builder.h"
 #include "tools/map/map_import.h"
@@ -110,7 +111,7 @@ void add_map_compare(CLI::App& map, int& exit_code) {
   command->add_option("B", arguments->b, "the map to measure")->required();
   command->add_option("--json", arguments->json, "Write the figures to this file");
   command->add_option("--gate", arguments->gate_mm, "Markers farther apart than this are not the same, mm")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(number_between(0.1, 1000.0, "mm"))
       ->capture_default_str();
   command->callback([arguments, &exit_code] { run(*arguments, exit_code); });
 }

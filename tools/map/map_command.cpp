@@ -11,7 +11,7 @@
 #include "tools/common/error.h"
 #include "tools/common/files.h"
 #include "tools/common/json_file.h"
-#include "tools/common/yaml.h"
+#include "tools/common/option_check.h"
 #include "tools/map/compare_command.h"
 #include "tools/map/complete_map.h"
 #include "tools/map/map_builder.h"
@@ -45,16 +45,6 @@ struct NoiseArguments {
   uint64_t seed = 1;
   bool declare = true;
 };
-
-// CLI11's own range lets NaN pass: it only asks whether a value is outside.
-CLI::Validator within(double low, double high) {
-  const auto refuse = [=](const std::string& text) -> std::string {
-    double value = 0;
-    const bool fits = parse_finite(text, value) && value >= low && value <= high;
-    return fits ? "" : fmt::format("{} is not between {} and {} m", text, low, high);
-  };
-  return CLI::Validator(refuse, fmt::format("in [{} - {}]", low, high));
-}
 
 // https://reproducible-builds.org/specs/source-date-epoch/: the file's bytes then repeat too, not only its content.
 int64_t creation_time_unix_s() {
@@ -115,9 +105,9 @@ void add_import(CLI::App& map) {
   command->add_option("file", arguments->file, "CSV or YAML")->required();
   command->add_option("-o,--out", arguments->out, "The map to write, *.room")->required();
   command->add_option("--radius", arguments->radius_m, "Outer radius of markers that have none in the file, m")
-      ->check(within(1e-4, map::kMaxRadius_m));
+      ->check(number_between(1e-4, map::kMaxRadius_m, "m"));
   command->add_option("--sigma", arguments->sigma_m, "Standard deviation of the positions per axis, m; 0: exact")
-      ->check(within(0.0, kMaxSigma_m));
+      ->check(number_between(0.0, kMaxSigma_m, "m"));
   command->add_option("--id", arguments->id, "Name of the map; default: the output's name");
   command->callback([arguments] { run_import(*arguments); });
 }
@@ -140,7 +130,7 @@ void add_noise_command(CLI::App& map) {
   command->add_option("-o,--out", arguments->out, "The map to write, *.room")->required();
   command->add_option("--sigma", arguments->sigma_m, "Standard deviation per axis, m")
       ->required()
-      ->check(within(0.0, kMaxSigma_m));
+      ->check(number_between(0.0, kMaxSigma_m, "m"));
   command->add_option("--seed", arguments->seed, "Other seed, other noise; default 1");
   command->add_flag("--declare,!--no-declare", arguments->declare,
                     "Add sigma^2 to the map's covariances (default), so that the solver weighs it; or hide it");

@@ -1,4 +1,5 @@
 #include <exception>
+#include <new>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -14,6 +15,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "roomcal: not enough memory; is an input far larger than it should be?\n");
+    return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "roomcal: {}\n", error.what());
     return 1;

@@ -134,7 +134,7 @@ json planes_json(const Scene& scene) {
 }  // namespace
 
 void write_room(const Scene& scene, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   write_atomic(folder / "markers.csv", markers_csv(scene));
   write_atomic(folder / "planes.json", planes_json(scene).dump(1) + "\n");
   write_atomic(folder / "room.json", to_json(scene).dump(1) + "\n");

@@ -138,7 +138,7 @@ json truth_json(const Scene& scene, const Stand& stand, const std::vector<Pictur
 
 void write_picture(const Picture& picture, const std::string& camera, const PictureFormat& format,
                    const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  make_folder(folder);
   const bool jpeg = format.jpeg_quality > 0;
   const std::filesystem::path path = folder / (camera + (jpeg ? ".jpg" : ".png"));
   const std::vector<int> settings =

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "tools/common/error.h"
+#include "tools/common/option_check.h"
 #include "tools/common/progress.h"
 #include "tools/simulate/make_room.h"
 #include "tools/simulate/room_files.h"
@@ -20,7 +21,7 @@ namespace {
 Vec3 parse_size(const std::string& text) {
   Vec3 size;
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%lfx%lfx%lf%c", &size.x(), &size.y(), &size.z(), &rest) != 3) {
+  if (std::sscanf(text.c_str(), "%lfx%lfx%lf%c", &size.x(), &size.y(), &size.z(), &rest) != 3 || !size.allFinite()) {
     throw ToolError("--size " + text + ": want width x depth x height in metres, as in 3x4x2.7");
   }
   return size;
@@ -96,16 +97,16 @@ void add_shot(CLI::App& simulate) {
   shot->add_option("-o,--output", arguments->folder, "folder to write")->required();
   shot->add_option("--seed", options.seed, "same seed, same shot")->capture_default_str();
   shot->add_option("--blur", options.blur_px, "sigma of the point spread, px")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(number_between(0.0, 10.0, "px"))
       ->capture_default_str();
   shot->add_option("--motion", options.motion_px, "motion during the exposure, px")
-      ->check(CLI::Range(0.0, 50.0))
+      ->check(number_between(0.0, 50.0, "px"))
       ->capture_default_str();
   shot->add_option("--noise", options.noise_sigma, "sigma at mid grey, grey levels")
-      ->check(CLI::Range(0.0, 50.0))
+      ->check(number_between(0.0, 50.0))
       ->capture_default_str();
   shot->add_option("--exposure", options.exposure, "1: a tenth of the paper saturates")
-      ->check(CLI::Range(0.01, 20.0))
+      ->check(number_between(0.01, 20.0))
       ->capture_default_str();
   shot->add_option("--jpeg", arguments->format.jpeg_quality, "JPEG of this quality instead of PNG")
       ->check(CLI::Range(1, 100));
