@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "runtime/calib/locate_sensors.h"
+#include "runtime/calib/misfit.h"
 #include "runtime/calib/preflight.h"
 #include "runtime/calib/reason.h"
 
@@ -35,6 +36,15 @@ pose::Observation to_observation(const marker::Detection& detection) {
           detection.ellipse.angle_rad};
 }
 
+/// A better reason than "not found", where there is one: then it is no longer the operator's to mend.
+void explain(const CameraSpec& spec, std::span<pose::Observation> observations, const map::TriangleIndex& index,
+             Arenas& arenas, CameraOutcome& camera) {
+  const Reason misfit = explain_misfit(spec, observations, index, arenas.step, arenas.scratch);
+  if (misfit.empty()) return;
+  camera.failure = misfit;
+  camera.failure_verdict = Verdict::kFailService;
+}
+
 Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraOutcome& camera) {
   const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
   for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
@@ -44,6 +54,8 @@ Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraO
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) {
     camera.failure = sensor_reason(camera.name, status);
+    if (status.code() == StatusCode::kNotFound)
+      explain(session.device.cameras[i], observations, session.index, arenas, camera);
     return ok_status();
   }
   camera.located = true;
@@ -89,6 +101,7 @@ Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcom
     if (status.code() == StatusCode::kOutOfMemory) return status;
     if (!status.ok() && status.code() != StatusCode::kCapacity) camera.failure = sensor_reason(camera.name, status);
     take(detections.first(count), camera);
+    camera.detections_complete = status.code() != StatusCode::kCapacity;
   }
   return ok_status();
 }

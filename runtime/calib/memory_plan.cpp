@@ -41,7 +41,7 @@ MemoryPlan plan_memory(const Device& device, const map::RoomMap& map) {
   plan.step_bytes = cameras * step_bytes_per_camera() + array_bytes<rig::Landmark>(markers) +
                     // As often as a LiDAR is located again, and once without the held-out markers.
                     3 * rig::solve_step_bytes(sensors) + array_bytes<double>(cameras * kMaxDetections / 2);
-  plan.scratch_bytes = std::max(pose::locate_scratch_bytes(kMaxDetections),
+  plan.scratch_bytes = std::max(pose::locate_scratch_bytes(kMaxDetections) + array_bytes<double>(kMaxDetections),
                                 rig::solve_scratch_bytes(sensors, cameras * kMaxDetections, markers));
   for (const CameraSpec& camera : device.cameras) {
     const camera::Intrinsics& k = camera.camera.intrinsics();

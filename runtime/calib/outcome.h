@@ -35,15 +35,17 @@ struct CameraOutcome {
   Mat66 cov_room_cam = Mat66::Zero();  ///< of T_room_cam as this camera alone tells
   Mat66 cov_rig_cam = Mat66::Zero();   ///< of T_rig_cam, right perturbation (m, rad); zero for the reference itself
   std::span<marker::Detection> detections;  ///< lives in the step arena; usable ones first
+  bool detections_complete = true;  ///< false: the image held more than the detector's tables, some are left out
   std::size_t usable_detections = 0;
   std::span<pose::Correspondence> inliers;  ///< observation = number in `detections`; lives in the step arena
   double rms_px = 0;                        ///< of the inliers, after the joint solution
   double coverage = 0;                      ///< fraction of the 4 x 4 image cells that hold an inlier
   double log_likelihood_gap = 0;
-  std::span<rig::RingObservation> rings;  ///< the inliers as the joint solution takes them, held-out ones last
-  std::size_t kept_rings = 0;             ///< of these, that are not held out
-  std::size_t view = 0;                   ///< number in `solution`, if located
-  Reason failure;                         ///< why not located; empty otherwise
+  std::span<rig::RingObservation> rings;          ///< the inliers as the joint solution takes them, held-out ones last
+  std::size_t kept_rings = 0;                     ///< of these, that are not held out
+  std::size_t view = 0;                           ///< number in `solution`, if located
+  Reason failure;                                 ///< why not located; empty otherwise
+  Verdict failure_verdict = Verdict::kFailRetry;  ///< what `failure` asks for
 };
 
 /// What became of one LiDAR; `located` guards the poses as above.

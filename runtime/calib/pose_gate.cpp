@@ -7,9 +7,10 @@ namespace roomcal::calib {
 void judge_covariance(const SensorName& sensor, const Mat66& cov_rig_sensor, const Limits& limits,
                       Judgement& judgement) {
   const Name name(sensor);
-  const double sigma_t_m = std::sqrt(cov_rig_sensor.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const double sigma_rot_rad = std::sqrt(cov_rig_sensor.bottomRightCorner<3, 3>().diagonal().maxCoeff());
-  if (sigma_t_m > limits.max_sigma_t_m || sigma_rot_rad > limits.max_sigma_rot_rad)
+  const double sigma_t_m = std::sqrt(cov_rig_sensor.topLeftCorner<3, 3>().diagonal().maxCoeff<Eigen::PropagateNaN>());
+  const double sigma_rot_rad =
+      std::sqrt(cov_rig_sensor.bottomRightCorner<3, 3>().diagonal().maxCoeff<Eigen::PropagateNaN>());
+  if (!(sigma_t_m <= limits.max_sigma_t_m && sigma_rot_rad <= limits.max_sigma_rot_rad))  // NaN too
     judgement.add(Verdict::kFailRetry,
                   make_reason("%.*s: 1-sigma of %.2f mm and %.3f deg is above %.2f mm and %.3f deg: move the device to "
                               "where it sees more of the room",
@@ -23,8 +24,9 @@ void judge_mounting(const SensorName& sensor, const NominalMounting& nominal, co
   const Name name(sensor);
   const Vec3 offset_m = T_rig_sensor.t - nominal.T_rig_sensor.t;
   const Vec3 rotation_rad = so3_log(nominal.T_rig_sensor.R.transpose() * T_rig_sensor.R);
-  if (offset_m.cwiseAbs().maxCoeff() > limits.max_nominal_sigmas * nominal.sigma_t_m ||
-      rotation_rad.cwiseAbs().maxCoeff() > limits.max_nominal_sigmas * nominal.sigma_rot_rad)
+  // Asked so that NaN is no fit.
+  if (!((offset_m.cwiseAbs().array() <= limits.max_nominal_sigmas * nominal.sigma_t_m).all() &&
+        (rotation_rad.cwiseAbs().array() <= limits.max_nominal_sigmas * nominal.sigma_rot_rad).all()))
     judgement.add(Verdict::kFailService,
                   make_reason("%.*s: sits %.1f mm and %.2f deg from its nominal mounting: check its bracket, or that "
                               "sensors are not swapped",

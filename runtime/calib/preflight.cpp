@@ -47,9 +47,8 @@ Levels sample_levels(ImageView image) {
 }  // namespace
 
 Reason check_image(const CameraSpec& camera, ImageView image) {
-  const Reason& name = Reason(camera.name.view());
-  const int n = static_cast<int>(name.view().size());
-  const char* s = name.view().data();
+  const int n = static_cast<int>(camera.name.view().size());
+  const char* s = camera.name.view().data();
   const camera::Intrinsics& k = camera.camera.intrinsics();
   if (image.empty()) return make_reason("%.*s: no image: check its cable and driver", n, s);
   if (image.width() != k.width_px || image.height() != k.height_px)

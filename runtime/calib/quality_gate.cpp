@@ -12,7 +12,13 @@ namespace {
 
 void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement& judgement) {
   const Name name(camera.name);
-  if (!camera.located) return judgement.add(Verdict::kFailRetry, camera.failure);
+  if (!camera.detections_complete)
+    judgement.add(
+        Verdict::kPassAdvise,
+        make_reason("%.*s: more ring-like shapes than the %zu that are kept, some are left out: mend the noise "
+                    "or cover the pattern",
+                    name.length, name.text, kMaxDetections));
+  if (!camera.located) return judgement.add(camera.failure_verdict, camera.failure);
   const std::size_t inliers = camera.inliers.size();
   const std::size_t usable = std::max<std::size_t>(1, camera.usable_detections);
   const double outlier_share = 1.0 - static_cast<double>(inliers) / static_cast<double>(usable);
@@ -34,7 +40,7 @@ void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement
 void judge_fit(const Outcome& outcome, const Limits& limits, Judgement& judgement) {
   if (outcome.solution.degrees_of_freedom <= 0) return;
   const double ratio = outcome.solution.chi2 / outcome.solution.degrees_of_freedom;
-  if (ratio > limits.max_chi2_per_dof)
+  if (!(ratio <= limits.max_chi2_per_dof))  // NaN too
     judgement.add(Verdict::kFailService, make_reason("joint fit: chi2 per degree of freedom is %.1f (limit %.1f): "
                                                      "check the intrinsics, the map, and that nothing moved",
                                                      ratio, limits.max_chi2_per_dof));

@@ -117,7 +117,8 @@ Status locate_camera(const camera::Camera& camera, std::span<const Observation> 
   search.challenge();
   location.hypotheses = search.hypotheses();
   if (search.found().empty() || !search.accepts(search.found()[0].support)) {
-    return {StatusCode::kNotFound, "no pose in this map explains the markers: another room, or a changed one?"};
+    return {StatusCode::kNotFound,
+            "no pose in this map explains the markers: another room, a changed one, or intrinsics of another camera?"};
   }
 
   const PolishedPose& best = search.found()[0];

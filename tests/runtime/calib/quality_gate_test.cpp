@@ -1,6 +1,7 @@
 #include "runtime/calib/quality_gate.h"
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -52,6 +53,33 @@ TEST_F(QualityGate, CleanShot_Passes) {
   judge(device_, Limits(), outcome_);
   EXPECT_EQ(outcome_.verdict, Verdict::kPass);
   EXPECT_TRUE(outcome_.reasons.empty());
+}
+
+TEST_F(QualityGate, NumbersThatAreNone_NeverPass) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  cam1().cov_rig_cam(2, 2) = kNan;
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kFailRetry);
+  cam1().cov_rig_cam = Mat66::Identity() * 1e-10;
+  cam1().T_rig_cam.t.y() = kNan;
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kFailService);
+  cam1().T_rig_cam.t.y() = 0;
+  outcome_.solution.chi2 = kNan;
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kFailService);
+}
+
+TEST_F(QualityGate, DetectorsTablesFull_IsSaid) {
+  cam1().detections_complete = false;
+  expect(Verdict::kPassAdvise, "cam1: more ring-like shapes");
+}
+
+TEST_F(QualityGate, CameraNotLocatedForAReasonOfItsOwn_AsksForService) {
+  cam1().located = cam1().in_rig = false;
+  cam1().failure = "cam1: its rings look 1.20 times as large";
+  cam1().failure_verdict = Verdict::kFailService;
+  expect(Verdict::kFailService, "cam1: its rings");
 }
 
 TEST_F(QualityGate, CameraNotLocated_FailsWithItsReason) {
