@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/marker/bilinear.h"
+
 namespace roomcal::marker {
 namespace {
 
@@ -235,14 +237,7 @@ void sample_ray(ImageView image, const PixelRay& ray, int first, int last, Curve
       level[at(j)] = -1;
       continue;
     }
-    const float x = x_at(static_cast<float>(j)), y = y_at(static_cast<float>(j));
-    const int column = static_cast<int>(x), line = static_cast<int>(y);
-    const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(line);
-    const uint8_t* top = image.row(line) + column;
-    const uint8_t* low = top + image.stride();
-    const float upper = static_cast<float>(top[0]) + fx * static_cast<float>(top[1] - top[0]);
-    const float lower = static_cast<float>(low[0]) + fx * static_cast<float>(low[1] - low[0]);
-    level[at(j)] = upper + fy * (lower - upper);
+    level[at(j)] = bilinear(image, x_at(static_cast<float>(j)), y_at(static_cast<float>(j)));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "runtime/base/fixed_vector.h"
+#include "runtime/marker/bilinear.h"
 #include "runtime/marker/blob_shape.h"
 #include "runtime/marker/conic.h"
 #include "runtime/marker/ellipse_of.h"
@@ -84,18 +85,6 @@ Mat22 shape_root(const Blob& blob) {
   Mat22 S;
   S << blob.sxx + root_det, blob.sxy, blob.sxy, blob.syy + root_det;
   return S * scale;
-}
-
-float bilinear(ImageView image, double x, double y) {
-  const int ix = static_cast<int>(x);
-  const int iy = static_cast<int>(y);
-  const float fx = static_cast<float>(x - ix);
-  const float fy = static_cast<float>(y - iy);
-  const uint8_t* a = image.row(iy) + ix;
-  const uint8_t* b = a + image.stride();
-  const float top = static_cast<float>(a[0]) + fx * static_cast<float>(a[1] - a[0]);
-  const float bottom = static_cast<float>(b[0]) + fx * static_cast<float>(b[1] - b[0]);
-  return top + fy * (bottom - top);
 }
 
 /// How far outside a blob the marker's outer circle may lie. A quarter of the outer radius is the smallest light disc

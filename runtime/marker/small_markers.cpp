@@ -7,6 +7,7 @@
 #include <cstring>
 #include <span>
 
+#include "runtime/marker/bilinear.h"
 #include "runtime/marker/conic.h"
 #include "runtime/marker/ellipse_of.h"
 
@@ -51,18 +52,6 @@ bool is_peak(ImageView image, int x, int y) {
       if (other > value || (earlier && other == value)) return false;
     }
   return true;
-}
-
-float bilinear(ImageView image, double x, double y) {
-  const int ix = static_cast<int>(x);
-  const int iy = static_cast<int>(y);
-  const float fx = static_cast<float>(x - ix);
-  const float fy = static_cast<float>(y - iy);
-  const uint8_t* a = image.row(iy) + ix;
-  const uint8_t* b = a + image.stride();
-  const float top = static_cast<float>(a[0]) + fx * static_cast<float>(a[1] - a[0]);
-  const float bottom = static_cast<float>(b[0]) + fx * static_cast<float>(b[1] - b[0]);
-  return top + fy * (bottom - top);
 }
 
 /// Steepest rise of one ray, half a pixel a step. @return its distance, px; 0 if nothing rises by `least`.
