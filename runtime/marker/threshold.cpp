@@ -120,7 +120,8 @@ GateTable noise_gates(const Extremes& tiles, const WindowRows& rows, int min_con
   std::array<int, 256> all{};
   for (const auto& band : histogram)
     for (std::size_t level = 0; level < all.size(); ++level) all[level] += band[level];
-  // A wall full of small markers has few quiet places: a thirtieth is still noise and not a row of pixels from its edge.
+  // A wall full of small markers has few quiet places: a thirtieth is still noise and not a row of pixels from its
+  // edge.
   quiet = quiet_contrast(all, 30);
   const int most = std::max(kMaxNoiseGate, quiet_contrast(all, 10) * 5 / 4);
   GateTable gates;
