@@ -31,6 +31,8 @@ struct CameraSpec {
   SensorName name;
   camera::Camera camera;
   NominalMounting nominal;
+  /// What the intrinsics leave, per axis: the reprojection error of their own calibration; 0: exact.
+  double sigma_px = 0;
 };
 
 struct LidarSpec {

@@ -23,7 +23,9 @@ void preflight_lidars(const Session& session, std::span<const Sweeps> sweeps, Ou
   }
 }
 
-void take(std::span<marker::Detection> detections, CameraOutcome& camera) {
+/// Rings as the camera's calibration lets them count: what it says of a pixel's direction is itself good to sigma_px.
+void take(const CameraSpec& spec, std::span<marker::Detection> detections, CameraOutcome& camera) {
+  for (marker::Detection& ring : detections) ring.cov_px2.diagonal().array() += spec.sigma_px * spec.sigma_px;
   camera.detections = detections;
   camera.usable_detections =
       static_cast<std::size_t>(std::count_if(detections.begin(), detections.end(), [](const marker::Detection& d) {
@@ -85,12 +87,12 @@ void take_detections(const Session& session, const DetectedShot& shot, Outcome& 
     CameraOutcome& camera = add_camera(session.device.cameras[i], outcome);
     camera.has_image = !shot.rings[i].empty();
     if (!camera.has_image) camera.failure = check_image(session.device.cameras[i], {});
-    take(shot.rings[i], camera);
+    take(session.device.cameras[i], shot.rings[i], camera);
   }
   preflight_lidars(session, shot.sweeps, outcome);
 }
 
-Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcome) {
+Status detect(const Session& session, std::span<const ImageView> images, Arenas& arenas, Outcome& outcome) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     CameraOutcome& camera = outcome.cameras[i];
     if (!camera.failure.empty()) continue;
@@ -100,7 +102,7 @@ Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcom
     const Status status = marker::detect(images[i], {}, arenas.scratch, detections, count);
     if (status.code() == StatusCode::kOutOfMemory) return status;
     if (!status.ok() && status.code() != StatusCode::kCapacity) camera.failure = sensor_reason(camera.name, status);
-    take(detections.first(count), camera);
+    take(session.device.cameras[i], detections.first(count), camera);
     camera.detections_complete = status.code() != StatusCode::kCapacity;
   }
   return ok_status();

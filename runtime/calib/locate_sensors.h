@@ -12,7 +12,7 @@ void preflight(const Session& session, const Shot& shot, Outcome& outcome);
 /// The same for rings that were detected elsewhere.
 void take_detections(const Session& session, const DetectedShot& shot, Outcome& outcome);
 
-Status detect(std::span<const ImageView> images, Arenas& arenas, Outcome& outcome);
+Status detect(const Session& session, std::span<const ImageView> images, Arenas& arenas, Outcome& outcome);
 Status locate_cameras(const Session& session, Arenas& arenas, Outcome& outcome);
 
 /// Every LiDAR from its clean sweeps, with the prior that located cameras and nominal mountings give.

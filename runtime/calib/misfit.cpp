@@ -63,8 +63,8 @@ Reason explain_misfit(const CameraSpec& camera, std::span<pose::Observation> obs
         "the printed outer circle?",
         n, s, ratio);
   return make_reason(
-      "%.*s: %zu of %zu markers fit a pose to %.2f px only, not as well as claimed: check that the "
-      "intrinsics are this camera's and how exact the map says it is",
+      "%.*s: %zu of %zu markers fit a pose to %.2f px only, not as well as claimed: intrinsics of another "
+      "camera? else give it sigma_px in device.yaml, or the map its --sigma",
       n, s, location.inliers.size(), observations.size(), location.rms_px);
 }
 

@@ -51,7 +51,7 @@ Status calibrate(const Session& session, const Shot& shot, const ports::Clock& c
   outcome = Outcome();  // FAIL_SERVICE until it is judged
   ROOMCAL_TRY(check_shot(session, shot.images.size(), shot.sweeps.size()));
   preflight(session, shot, outcome);
-  ROOMCAL_TRY(timed(Stage::kDetect, clock, outcome, [&] { return detect(shot.images, arenas, outcome); }));
+  ROOMCAL_TRY(timed(Stage::kDetect, clock, outcome, [&] { return detect(session, shot.images, arenas, outcome); }));
   return conclude(session, shot.sweeps, clock, arenas, outcome);
 }
 

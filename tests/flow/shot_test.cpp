@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "tests/budget/heap_guard.h"
@@ -51,6 +52,24 @@ TEST_F(Shot, Clean_MeetsTheTruth) {
   EXPECT_LE(error.tail<3>().norm(), kMaxError_rad);
   RecordProperty("error_um", std::to_string(1e6 * error.head<3>().norm()));
   RecordProperty("error_udeg", std::to_string(1e6 * rad_to_deg(error.tail<3>().norm())));
+}
+
+// What a checkerboard leaves of a real lens, said: the covariance covers what it does.
+TEST_F(Shot, IntrinsicsOffByAThousandth_PassHonestlyWithTheirSigma) {
+  calib::Device device = *shot_->device;
+  for (calib::CameraSpec& camera : device.cameras) {
+    camera::Intrinsics intrinsics = camera.camera.intrinsics();
+    intrinsics.fx_px *= 1.001;
+    intrinsics.fy_px *= 1.001;
+    camera.camera = camera::Camera::create(intrinsics).value();
+    camera.sigma_px = 0.2;
+  }
+  ArmedSession said(device, map());
+  ASSERT_TRUE(said.calibrate(good_images()).ok());
+  ASSERT_EQ(said.outcome().verdict, calib::Verdict::kPass) << said.outcome().reasons[0].view();
+  const SE3 T_rig_cam_true = shot_->T_room_cam_true[0].inverse() * shot_->T_room_cam_true[1];
+  const Vec6 error = se3_log(said.outcome().cameras[1].T_rig_cam.inverse() * T_rig_cam_true);
+  EXPECT_LT(error.dot(said.outcome().cameras[1].cov_rig_cam.inverse() * error), 30);
 }
 
 TEST_F(Shot, Twice_GivesTheSameBytes) {

@@ -17,9 +17,7 @@ calib::NominalMounting to_mounting(const Sensor& sensor) {
 calib::CameraSpec to_spec(const Sensor& sensor, const std::string& source) {
   const Result<camera::Camera> camera = camera::Camera::create(sensor.intrinsics);
   require(camera.status(), source + ": " + sensor.name);
-  calib::CameraSpec spec{std::string_view(sensor.name), camera.value(), {}};
-  spec.nominal = to_mounting(sensor);
-  return spec;
+  return {std::string_view(sensor.name), camera.value(), to_mounting(sensor), sensor.sigma_px};
 }
 
 calib::LidarSpec to_lidar(const Sensor& sensor, const std::string& source) {

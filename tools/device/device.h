@@ -22,6 +22,7 @@ struct Sensor {
   std::string name;
   SensorKind kind = SensorKind::kCamera;
   camera::Intrinsics intrinsics;  ///< of a camera
+  double sigma_px = 0;            ///< of a camera: what its intrinsics leave, per axis; 0: exact
   std::string lidar_model;        ///< of a LiDAR: "vlp16", "tls", ...
   std::string file;               ///< of a LiDAR: its file in a shot folder; may be empty
   std::optional<NominalMount> nominal;

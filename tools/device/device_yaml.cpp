@@ -51,7 +51,8 @@ class DeviceReader {
   }
 
   void read_camera(const YAML::Node& node, Sensor& sensor) const {
-    yaml_.allow_keys(node, {"name", "kind", "model", "resolution_px", "intrinsics_px", "distortion", "nominal"},
+    yaml_.allow_keys(node,
+                     {"name", "kind", "model", "resolution_px", "intrinsics_px", "distortion", "sigma_px", "nominal"},
                      sensor.name);
     camera::Intrinsics& intrinsics = sensor.intrinsics;
     const YAML::Node model = yaml_.field(node, "model");
@@ -74,6 +75,11 @@ class DeviceReader {
     const auto d =
         yaml_.numbers(yaml_.field(node, "distortion"), camera::kDistortionCount, sensor.name + ": distortion");
     std::copy(d.begin(), d.end(), intrinsics.distortion.begin());
+    if (const YAML::Node sigma = node["sigma_px"]; sigma.IsDefined()) {
+      sensor.sigma_px = yaml_.number(sigma, sensor.name + ": sigma_px");
+      if (!(sensor.sigma_px >= 0 && sensor.sigma_px <= 5))
+        yaml_.fail(sigma, sensor.name + ": sigma_px is what the intrinsics leave, between 0 and 5 px");
+    }
   }
 
   void read_lidar(const YAML::Node& node, Sensor& sensor) const {
@@ -124,6 +130,7 @@ std::string sensor_text(const Sensor& sensor) {
                         i.width_px, i.height_px);
     text += fmt::format("    intrinsics_px: [{}, {}, {}, {}]\n", i.fx_px, i.fy_px, i.cx_px, i.cy_px);
     text += fmt::format("    distortion: [{}]\n", fmt::join(i.distortion, ", "));
+    if (sensor.sigma_px > 0) text += fmt::format("    sigma_px: {}\n", sensor.sigma_px);
   } else {
     text += "    kind: lidar\n    model: " + quoted(sensor.lidar_model) + "\n";
     if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";

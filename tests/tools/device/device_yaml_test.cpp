@@ -26,6 +26,7 @@ sensors:
     resolution_px: [1280, 1024]
     intrinsics_px: [1740.7, 1740.9, 641.8, 501.3]
     distortion: [-0.116, 0.109, 0.0004, -0.0003]
+    sigma_px: 0.15
     nominal:
       T_rig_sensor: [[0, 0, 1, 0.1], [0, 1, 0, -0.02], [-1, 0, 0, 0.003], [0, 0, 0, 1]]
       sigma_t_m: 0.008
@@ -57,6 +58,8 @@ TEST(ParseDeviceYaml, EveryField_IsRead) {
   EXPECT_EQ(cam1.intrinsics.fx_px, 1740.7);
   EXPECT_EQ(cam1.intrinsics.cy_px, 501.3);
   EXPECT_EQ(cam1.intrinsics.distortion[3], -0.0003);
+  EXPECT_EQ(cam1.sigma_px, 0.15);
+  EXPECT_EQ(device.sensors[0].sigma_px, 0);
   ASSERT_TRUE(cam1.nominal);
   EXPECT_EQ(cam1.nominal->T_rig_sensor.t, Vec3(0.1, -0.02, 0.003));
   EXPECT_NEAR(cam1.nominal->T_rig_sensor.R(0, 2), 1, 1e-12);
@@ -97,6 +100,7 @@ TEST(ParseDeviceYaml, EveryBadInput_NamesTheThing) {
            {robot_with("1280, 720", "1280.5, 720"), "d.yaml:8: cam0: resolution_px: expected a whole number"},
            {robot_with("1280, 720", "0, 720"), "cam0: invalid argument"},
            {robot_with(", 0.0003", ""), "d.yaml:10: cam0: distortion: expected a list of 4"},
+           {robot_with("sigma_px: 0.15", "sigma_px: -1"), "cam1: sigma_px is what the intrinsics leave"},
            {robot_with("kannala_brandt", "omni"), "d.yaml:7: cam0: model `omni` is not supported"},
            {robot_with("kind: lidar", "kind: radar"), "lidar0: kind `radar`; known are camera and lidar"},
            {robot_with("    distortion", "    distorsion"), "d.yaml:10: cam0: unknown key `distorsion`"},
