@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "runtime/scan/candidates.h"
+#include "runtime/scan/locate_steps.h"
 #include "runtime/scan/planes.h"
 #include "runtime/scan/print_fit.h"
 
@@ -17,8 +18,6 @@ namespace roomcal::scan {
 
 namespace {
 
-constexpr std::size_t kAzimuthBins = 36;
-constexpr std::size_t kJudgePoints = 6000;
 constexpr double kOpenSigma_m = 0.01;     // an axis that the sample fixes worse is searched
 constexpr double kCloseSigma_m = 0.002;   // prints are asked for an axis that ranges fix worse
 constexpr double kUnknownReach_m = 1.0;   // of prints, without a prior
@@ -48,29 +47,6 @@ struct Workspace {
     return PrintMatcher::build(scratch, work.matcher);
   }
 };
-
-Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sensor, const PosePrior* prior) {
-  if (sweeps.empty()) return {StatusCode::kInvalidArgument, "scan: no sweep"};
-  if (!(sensor.sigma_m > 0 && sensor.beam_offset_sigma_m >= 0 && sensor.angle_sigma_rad >= 0)) {
-    return {StatusCode::kInvalidArgument, "scan: the sensor's sigmas must be positive"};
-  }
-  if (prior == nullptr) return ok_status();
-  if (!prior->T_room_lidar.R.allFinite() || !prior->T_room_lidar.t.allFinite() || !prior->cov.allFinite() ||
-      prior->cov.llt().info() != Eigen::Success) {
-    return {StatusCode::kInvalidArgument, "scan: the prior's covariance must be positive definite"};
-  }
-  return ok_status();
-}
-
-/// Rays spread over the joined sweeps. @return how many.
-std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::span<Ray> sample) {
-  std::size_t count = 0;
-  const std::size_t stride = (view.point_count() + sample.size() - 1) / sample.size();
-  for_each_ray(view, sensor, std::max<std::size_t>(1, stride), [&](const Ray& ray) {
-    if (count < sample.size()) sample[count++] = ray;
-  });
-  return count;
-}
 
 /// The axis of position that ranges fix least, and how far along it the sensor may be.
 struct OpenAxis {
@@ -127,20 +103,6 @@ void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Can
   if (better(best, candidate)) candidate = best;
 }
 
-double azimuth_coverage(const SweepView& view, const RefineInput& input, const RangeState& state) {
-  PosedSurface posed;
-  posed.set(input.surface, state.T_room_lidar);
-  std::array<bool, kAzimuthBins> covered{};
-  const double reach_m = 4 * input.sigma_m;
-  for_each_ray(view, input.sensor, stride_for(view, kJudgePoints), [&](const Ray& ray) {
-    const RayHit hit = posed.first_hit(ray.direction_lidar);
-    if (hit.face == kNoFace || std::abs(ray.range_m - hit.range_m - state.offset_m[ray.beam]) > reach_m) return;
-    const double turn = std::atan2(ray.direction_lidar.y(), ray.direction_lidar.x()) / (2 * kPi) + 0.5;
-    covered[std::min(kAzimuthBins - 1, static_cast<std::size_t>(turn * static_cast<double>(kAzimuthBins)))] = true;
-  });
-  return static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(kAzimuthBins);
-}
-
 void fill_beams(const RangeSums& sums, const SensorModel& sensor, const RangeState& state, Location& location) {
   const double sigma_m = sensor.beam_offset_sigma_m;
   location.beam_count = 0;
@@ -153,15 +115,6 @@ void fill_beams(const RangeSums& sums, const SensorModel& sensor, const RangeSta
     const double pivot = beam.weight + 1 / (sigma_m * sigma_m);
     location.beam[k].sigma_m = std::sqrt(1 / pivot + beam.v.dot(location.cov * beam.v) / (pivot * pivot));
   }
-}
-
-void fill_counts(const RangeSums& sums, const SensorModel& sensor, double sigma_m, const RangeState& state,
-                 Location& location) {
-  location.points = sums.valid;
-  location.inliers = sums.inliers;
-  location.shares = shares_of(sums, sensor, sigma_m, state);
-  location.sigma_m = sigma_m;
-  location.rms_m = sigma_m * std::sqrt(sums.inlier_squares / std::max(1.0, static_cast<double>(sums.inliers)));
 }
 
 /// Bits of faces that most of their points do not fit: what is left of them is the rim of something else.
@@ -249,11 +202,6 @@ PrintMeasurement close_axis(const SweepView& view, const Mat66& information, Pri
   return measured;
 }
 
-void refuse(Location& location, const char* reason) {
-  location.outcome = LocateOutcome::kRefused;
-  location.reason = reason;
-}
-
 void fill_pose(const RefineInput& input, const RangeSums& sums, const RangeState& state,
                const RangeState& linearized_at, const PrintMeasurement& prints, const LocateOptions& options,
                Location& location) {
@@ -336,18 +284,7 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
   fill_beams(sums, sensor, state, location);
   const int places = static_cast<int>(candidates.twins.size());
   location.twins = confirmed || prior != nullptr ? places : std::max(2, places);
-  const char* reason = converged ? why_refused(location.shares, options.accept) : "the solution did not settle";
-  if (*reason == '\0' && location.azimuth < options.accept.min_azimuth) {
-    reason = "the LiDAR sees too little of its horizon: clear its view";
-  }
-  if (*reason != '\0') {
-    refuse(location, reason);
-  } else if (location.twins > 1) {
-    location.outcome = LocateOutcome::kAmbiguous;
-    location.reason = "the room looks the same from several places: give a nominal mounting or locate a camera";
-  } else {
-    location.outcome = LocateOutcome::kLocated;
-  }
+  conclude(converged, options.accept, location);
   return ok_status();
 }
 

@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/lidar/sweep_builder.h"
-#include "runtime/scan/locate.h"
+#include "runtime/map/sample_surface.h"
+#include "runtime/scan/locate_by_gicp.h"
 #include "tests/budget/heap_guard.h"
 #include "tests/runtime/scan/baked_room.h"
 #include "tests/truth/lidar_box.h"
@@ -54,23 +55,26 @@ TEST(LidarHeap, FromPacketsToThePlaceInTheRoom_NoCall) {
   const lidar::Calibration unit = lidar::built_in_calibration(lidar::Model::kVlp16).value();
   const lidar::SweepOptions cut = {.capacity = 32'000};
   std::vector<std::byte> permanent_bytes(scan::Surface::bytes(room.map.plane_count(), room.map.marker_count()) +
-                                         lidar::SweepBuilder::arena_bytes(cut));
-  std::vector<std::byte> scratch_bytes(std::max(scan::locate_scratch_bytes(), scan::test::BakedRoom::kScratchBytes));
+                                         lidar::SweepBuilder::arena_bytes(cut) +
+                                         scan::GicpTarget::bytes(map::surface_point_count(room.map)));
+  std::vector<std::byte> scratch_bytes(std::max(
+      {scan::locate_scratch_bytes(), scan::locate_by_gicp_scratch_bytes(), scan::test::BakedRoom::kScratchBytes}));
   scan::PosePrior prior;
   prior.T_room_lidar = kT_room_lidar * se3_exp((Vec6() << 0.1, -0.1, 0.05, 0.05, -0.05, 0.05).finished());
   prior.cov = 0.02 * Mat66::Identity();
   Arena permanent{permanent_bytes}, scratch{scratch_bytes};
-  scan::Location location;
+  scan::Location location, by_gicp;
   std::size_t points = 0, before_arming = 0, decoding = 0, locating = 0;
   bool pushed = true;
-  Status built, located;
+  Status built, located, registered;
   {
     const budget::HeapGuard guard;
     const Result<scan::Surface> surface = scan::Surface::build(room.map, {}, permanent, scratch);
     Result<lidar::SweepBuilder> builder = lidar::SweepBuilder::create(unit, cut, permanent);
+    const Result<scan::GicpTarget> dense = scan::GicpTarget::build(room.map, 0, permanent);
     permanent.seal();
     before_arming = guard.calls();
-    built = surface.ok() ? builder.status() : surface.status();
+    built = !surface.ok() ? surface.status() : builder.ok() ? dense.status() : builder.status();
     if (built.ok()) {
       for (const std::vector<std::byte>& payload : payloads) {
         pushed = pushed && builder.value().push(payload).ok();
@@ -80,6 +84,8 @@ TEST(LidarHeap, FromPacketsToThePlaceInTheRoom_NoCall) {
       decoding = guard.calls() - before_arming;
       points = builder.value().sweep().points.size();
       located = scan::locate(surface.value(), {&builder.value().sweep(), 1}, {}, &prior, {}, scratch, location);
+      registered = scan::locate_by_gicp(surface.value(), dense.value(), {&builder.value().sweep(), 1}, {}, &prior, {},
+                                        {}, scratch, by_gicp);
       locating = guard.calls() - before_arming - decoding;
     }
   }
@@ -89,6 +95,9 @@ TEST(LidarHeap, FromPacketsToThePlaceInTheRoom_NoCall) {
   ASSERT_TRUE(located.ok()) << located.detail();
   EXPECT_EQ(location.outcome, scan::LocateOutcome::kLocated) << location.reason;
   EXPECT_LT((location.T_room_lidar.t - kT_room_lidar.t).norm(), 0.005);
+  ASSERT_TRUE(registered.ok()) << registered.detail();
+  EXPECT_EQ(by_gicp.outcome, scan::LocateOutcome::kLocated) << by_gicp.reason;
+  EXPECT_LT((by_gicp.T_room_lidar.t - kT_room_lidar.t).norm(), 0.03);
   EXPECT_EQ(before_arming, 0U);
   EXPECT_EQ(decoding, 0U);
   EXPECT_EQ(locating, 0U);

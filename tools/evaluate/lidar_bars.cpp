@@ -48,6 +48,12 @@ LidarCell pooled(const std::vector<LidarCell>& cells, LidarAid aid) {
   return sum;
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
 }  // namespace
 
 const char* to_string(LidarAid aid) {
@@ -58,6 +64,8 @@ const char* to_string(LidarAid aid) {
       return "+ prints";
     case LidarAid::kPrints:
       return "prints";
+    case LidarAid::kPriorByGicp:
+      return "gicp";
   }
   return "";
 }
@@ -103,11 +111,11 @@ double LidarCell::position_ratio() const { return std::sqrt(position_squares / s
 double LidarCell::rotation_ratio() const { return std::sqrt(rotation_squares / std::max(1, judged())); }
 double LidarCell::mean_nees() const { return nees / std::max(1, found); }
 
-std::vector<LidarCell> run_lidar_cells(int poses) {
+std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses) {
   const LidarRoom room(kRoomSeed);
   std::vector<LidarTrialSpec> specs;
   std::vector<LidarCell> cells;
-  for (const LidarAid aid : {LidarAid::kPrior, LidarAid::kPriorAndPrints, LidarAid::kPrints}) {
+  for (const LidarAid aid : aids) {
     for (const Tilt tilt : {Tilt::kUpright, Tilt::kTilted, Tilt::kSteep}) {
       LidarCell& cell = cells.emplace_back();
       cell.tilt = tilt;
@@ -116,7 +124,8 @@ std::vector<LidarCell> run_lidar_cells(int poses) {
         LidarTrialSpec& spec = specs.emplace_back();
         spec.tilt = tilt;
         spec.prior = aid != LidarAid::kPrints;
-        spec.use_reflectivity = aid != LidarAid::kPrior;
+        spec.use_reflectivity = aid == LidarAid::kPriorAndPrints || aid == LidarAid::kPrints;
+        spec.method = aid == LidarAid::kPriorByGicp ? LidarMethod::kGicp : LidarMethod::kRayCast;
         spec.seed = 1000 + static_cast<uint64_t>(i);
       }
     }
@@ -141,9 +150,7 @@ std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells) {
   const int missed = with.missed + prints.missed + without.missed;
   const double success = 100.0 * with.found / std::max(1, with.observable);
   const double tolerance = 6 * 4 * std::sqrt(2.0 / (6.0 * std::max(1, with.found)));
-  std::vector<double> ms = with.ms;
-  std::sort(ms.begin(), ms.end());
-  const double median_ms = ms.empty() ? 0 : ms[ms.size() / 2];
+  const double median_ms = median(with.ms);
   return {
       {"observable poses located >= 99.5 %", fmt::format("{:.2f} % ({} of {})", success, with.found, with.observable),
        success >= 99.5},
@@ -171,6 +178,19 @@ std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells) {
       {"<= 1 MiB beyond the sweep",
        fmt::format("{} KiB", (scan::locate_scratch_bytes() + sizeof(scan::Location)) / 1024),
        scan::locate_scratch_bytes() + sizeof(scan::Location) <= (1U << 20)}};
+}
+
+std::vector<Bar> judge_gicp(const std::vector<LidarCell>& cells) {
+  const LidarCell direct = pooled(cells, LidarAid::kPrior), gicp = pooled(cells, LidarAid::kPriorByGicp);
+  const double position = gicp.position_ratio(), rotation = gicp.rotation_ratio();
+  return {{"GICP: every unobservable pose flagged", fmt::format("{} missed of {}", gicp.missed, gicp.unobservable),
+           gicp.missed == 0},
+          {"locate() is the more exact and the quicker one",
+           fmt::format("GICP: {} of {} observable poses found, {} by ray casting; {:.1f} x the position error, {:.1f} "
+                       "x the rotation error, {:.1f} x the time ({:.0f} ms)",
+                       gicp.found, gicp.observable, direct.found, position / direct.position_ratio(),
+                       rotation / direct.rotation_ratio(), median(gicp.ms) / median(direct.ms), median(gicp.ms)),
+           position > direct.position_ratio() && median(gicp.ms) > median(direct.ms)}};
 }
 
 }  // namespace roomcal::tools

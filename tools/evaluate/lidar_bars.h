@@ -13,6 +13,7 @@ enum class LidarAid : uint8_t {
   kPrior,           ///< a pose within 0.2 m and 10 degrees, ranges alone: what the bound knows
   kPriorAndPrints,  ///< and the reflectivity of the printed sheets
   kPrints,          ///< no prior
+  kPriorByGicp,     ///< as kPrior, located by scan::locate_by_gicp()
 };
 const char* to_string(LidarAid aid);
 
@@ -42,9 +43,12 @@ struct LidarCell {
 };
 
 /// `poses` for each way to hold the sensor and each aid, on all cores. The same numbers on every machine
-/// but for the times.
-std::vector<LidarCell> run_lidar_cells(int poses);
+/// but for the times; the same sweeps under each aid.
+std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses);
 
 std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells);
+
+/// Generalized ICP beside locate() on the same sweeps: of kPrior and kPriorByGicp.
+std::vector<Bar> judge_gicp(const std::vector<LidarCell>& cells);
 
 }  // namespace roomcal::tools

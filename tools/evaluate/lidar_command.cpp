@@ -16,8 +16,12 @@ using nlohmann::json;
 
 namespace {
 
+constexpr const char* kDirect = "raycast";
+constexpr const char* kGicp = "gicp";
+
 struct Arguments {
   std::string json_file;
+  std::string method = kDirect;
   int poses = 333;
 };
 
@@ -80,8 +84,11 @@ json to_json(const std::vector<LidarCell>& cells, const std::vector<Bar>& bars) 
 }
 
 void evaluate_lidar(const Arguments& arguments, int& exit_code) {
-  const std::vector<LidarCell> cells = run_lidar_cells(arguments.poses);
-  const std::vector<Bar> bars = judge_lidar(cells);
+  const bool gicp = arguments.method == kGicp;
+  const std::vector<LidarAid> aids = gicp ? std::vector{LidarAid::kPrior, LidarAid::kPriorByGicp}
+                                          : std::vector{LidarAid::kPrior, LidarAid::kPriorAndPrints, LidarAid::kPrints};
+  const std::vector<LidarCell> cells = run_lidar_cells(aids, arguments.poses);
+  const std::vector<Bar> bars = gicp ? judge_gicp(cells) : judge_lidar(cells);
   print_table(cells);
   for (const Bar& bar : bars) fmt::print("{} {}: {}\n", bar.met ? "met   " : "NOT MET", bar.demand, bar.measured);
   if (!arguments.json_file.empty()) write_atomic(arguments.json_file, to_json(cells, bars).dump(1) + "\n");
@@ -93,8 +100,11 @@ void evaluate_lidar(const Arguments& arguments, int& exit_code) {
 void add_evaluate_lidar(CLI::App& evaluate, int& exit_code) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* lidar = evaluate.add_subcommand("lidar", "location of simulated LiDAR sweeps against the Cramer-Rao bound");
-  lidar->add_option("--poses", arguments->poses, "for each of three ways to hold it and three aids")
+  lidar->add_option("--poses", arguments->poses, "for each of three ways to hold it and each aid")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  lidar->add_option("--method", arguments->method, "gicp: Generalized ICP beside ray casting, on the same sweeps")
+      ->check(CLI::IsMember({kDirect, kGicp}))
       ->capture_default_str();
   lidar->add_option("--json", arguments->json_file, "write the figures to this file");
   lidar->callback([arguments, &exit_code] { evaluate_lidar(*arguments, exit_code); });

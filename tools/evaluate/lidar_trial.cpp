@@ -8,7 +8,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "runtime/map/sample_surface.h"
 #include "tools/common/error.h"
+#include "tools/map/map_builder.h"
 #include "tools/simulate/make_room.h"
 #include "tools/simulate/planar.h"
 #include "tools/simulate/random_stream.h"
@@ -124,6 +126,28 @@ LidarRoom::LidarRoom(uint64_t seed, bool pillar, const Vec3& size_m, int markers
   const Result<scan::Surface> surface = scan::Surface::from_polygons(polygons, prints, arena);
   if (!surface.ok()) throw ToolError(surface.status().detail());
   surface_ = surface.value();
+  densify(outlines);
+}
+
+void LidarRoom::densify(const std::vector<std::vector<Vec3>>& outlines) {
+  MapData data;
+  data.id = "dense";
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    const scan::Face& face = surface_.faces()[i];
+    data.planes.push_back({{face.normal_room, face.d_m, 0.001}, outlines[i]});
+  }
+  for (const SceneMarker& marker : markers_of(*scene_)) {  // a map without markers is none
+    map::MapMarker& m = data.markers.emplace_back();
+    m.id = static_cast<uint32_t>(marker.id);
+    m.p_room = marker.centre_room;
+  }
+  const AlignedBytes bytes = build_map(data);
+  const map::RoomMap map = map::RoomMap::open(bytes.span()).value();
+  dense_bytes_.resize(scan::GicpTarget::bytes(map::surface_point_count(map)));
+  Arena arena{dense_bytes_};
+  const Result<scan::GicpTarget> dense = scan::GicpTarget::build(map, 0, arena);
+  if (!dense.ok()) throw ToolError(dense.status().detail());
+  dense_ = dense.value();
 }
 
 const char* to_string(Tilt tilt) {
@@ -214,11 +238,15 @@ LidarTrial run_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec) {
   sensor.beam_offset_sigma_m = spec.beam_offset_sigma_m;
   scan::LocateOptions options;
   options.use_reflectivity = spec.use_reflectivity;
-  std::vector<std::byte> bytes(scan::locate_scratch_bytes());
+  const bool by_gicp = spec.method == LidarMethod::kGicp;
+  std::vector<std::byte> bytes(by_gicp ? scan::locate_by_gicp_scratch_bytes() : scan::locate_scratch_bytes());
   Arena scratch{bytes};
+  const scan::PosePrior* given = spec.prior ? &prior : nullptr;
   const double start_ms = thread_cpu_ms();
-  const Status status =
-      scan::locate(room.surface(), {&view, 1}, sensor, spec.prior ? &prior : nullptr, options, scratch, trial.location);
+  const Status status = by_gicp
+                            ? scan::locate_by_gicp(room.surface(), room.dense(), {&view, 1}, sensor, given, options, {},
+                                                   scratch, trial.location)
+                            : scan::locate(room.surface(), {&view, 1}, sensor, given, options, scratch, trial.location);
   trial.locate_ms = thread_cpu_ms() - start_ms;
   if (!status.ok()) throw ToolError(status.detail());
   judge_errors(trial);

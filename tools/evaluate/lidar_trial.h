@@ -4,7 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "runtime/scan/locate.h"
+#include "runtime/scan/locate_by_gicp.h"
+#include "tools/common/files.h"
 #include "tools/common/random.h"
 #include "tools/simulate/lidar_sweep.h"
 #include "tools/simulate/scene.h"
@@ -20,12 +21,18 @@ class LidarRoom {
   const Scene& scene() const { return *scene_; }
   const SweepSimulator& simulator() const { return *simulator_; }
   const scan::Surface& surface() const { return surface_; }
+  /// The same surface as points, 5 cm apart.
+  const scan::GicpTarget& dense() const { return dense_; }
 
  private:
+  void densify(const std::vector<std::vector<Vec3>>& outlines);
+
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<SweepSimulator> simulator_;
   std::vector<std::byte> bytes_;
   scan::Surface surface_;
+  std::vector<std::byte> dense_bytes_;
+  scan::GicpTarget dense_;
 };
 
 /// How a sensor is held.
@@ -39,7 +46,10 @@ struct PoseBound {
   bool observable() const { return position_m < 0.003 && rotation_rad < deg_to_rad(0.15); }
 };
 
+enum class LidarMethod : uint8_t { kRayCast, kGicp };
+
 struct LidarTrialSpec {
+  LidarMethod method = LidarMethod::kRayCast;
   Tilt tilt = Tilt::kUpright;
   uint64_t seed = 1;
   double sigma_m = 0.015;

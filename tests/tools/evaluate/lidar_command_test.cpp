@@ -12,14 +12,14 @@
 namespace roomcal::tools {
 namespace {
 
-nlohmann::json run(const std::string& arguments, int& exit_code) {
+nlohmann::json run(const std::string& arguments, const char* expected, int& exit_code) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("roomcal_evaluate_lidar_" + std::to_string(getpid()) + ".json");
   CLI::App app;
   add_evaluate_lidar(app, exit_code);
   testing::internal::CaptureStdout();
   app.parse("lidar --json " + file.string() + " " + arguments);
-  EXPECT_NE(testing::internal::GetCapturedStdout().find("rms error"), std::string::npos);
+  EXPECT_NE(testing::internal::GetCapturedStdout().find(expected), std::string::npos);
   const auto bytes = read_text(file);
   std::filesystem::remove(file);
   return nlohmann::json::parse(bytes);
@@ -27,7 +27,7 @@ nlohmann::json run(const std::string& arguments, int& exit_code) {
 
 TEST(EvaluateLidar, TwoPoses_WritesEveryFigureOfEveryCell) {
   int exit_code = 0;
-  const nlohmann::json result = run("--poses 2", exit_code);
+  const nlohmann::json result = run("--poses 2", "rms error", exit_code);
   ASSERT_EQ(result["cells"].size(), 9U);  // three ways to hold the sensor, three aids
   for (const nlohmann::json& cell : result["cells"]) {
     EXPECT_EQ(cell["poses"], 2);
@@ -51,11 +51,26 @@ TEST(EvaluateLidar, TwoPoses_WritesEveryFigureOfEveryCell) {
   EXPECT_EQ(exit_code, all_met ? 0 : 2);  // which of them are met, time among them, is not for two poses to say
 }
 
-TEST(EvaluateLidar, NoPoses_IsRefused) {
+TEST(EvaluateLidar, MethodGicp_PutsBothMethodsSideBySide) {
+  int exit_code = 0;
+  const nlohmann::json result = run("--method gicp --poses 2", "locate() is the more exact", exit_code);
+  ASSERT_EQ(result["cells"].size(), 6U);
+  for (std::size_t tilt = 0; tilt < 3; ++tilt) {
+    const nlohmann::json &direct = result["cells"][tilt], &gicp = result["cells"][tilt + 3];
+    EXPECT_EQ(direct["aid"], "prior");
+    EXPECT_EQ(gicp["aid"], "gicp");
+    EXPECT_EQ(direct["tilt"], gicp["tilt"]);
+    EXPECT_EQ(direct["observable"], gicp["observable"]);  // the same sweeps
+    EXPECT_EQ(gicp["missed"], 0);
+  }
+}
+
+TEST(EvaluateLidar, NoPosesOrUnknownMethod_IsRefused) {
   int exit_code = 0;
   CLI::App app;
   add_evaluate_lidar(app, exit_code);
   EXPECT_THROW(app.parse("lidar --poses 0"), CLI::ValidationError);
+  EXPECT_THROW(app.parse("lidar --method magic"), CLI::ValidationError);
 }
 
 LidarCell cell_with(LidarAid aid) {

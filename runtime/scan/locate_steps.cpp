@@ -1,0 +1,83 @@
+#include "runtime/scan/locate_steps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace roomcal::scan {
+
+namespace {
+
+constexpr std::size_t kAzimuthBins = 36;
+constexpr std::size_t kJudgePoints = 6000;
+
+}  // namespace
+
+Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sensor, const PosePrior* prior) {
+  if (sweeps.empty()) return {StatusCode::kInvalidArgument, "scan: no sweep"};
+  if (!(sensor.sigma_m > 0 && sensor.beam_offset_sigma_m >= 0 && sensor.angle_sigma_rad >= 0)) {
+    return {StatusCode::kInvalidArgument, "scan: the sensor's sigmas must be positive"};
+  }
+  if (prior == nullptr) return ok_status();
+  if (!prior->T_room_lidar.R.allFinite() || !prior->T_room_lidar.t.allFinite() || !prior->cov.allFinite() ||
+      prior->cov.llt().info() != Eigen::Success) {
+    return {StatusCode::kInvalidArgument, "scan: the prior's covariance must be positive definite"};
+  }
+  return ok_status();
+}
+
+std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::span<Ray> sample) {
+  std::size_t count = 0;
+  const std::size_t stride = (view.point_count() + sample.size() - 1) / sample.size();
+  for_each_ray(view, sensor, std::max<std::size_t>(1, stride), [&](const Ray& ray) {
+    if (count < sample.size()) sample[count++] = ray;
+  });
+  return count;
+}
+
+double azimuth_coverage(const SweepView& view, const RefineInput& input, const RangeState& state) {
+  PosedSurface posed;
+  posed.set(input.surface, state.T_room_lidar);
+  std::array<bool, kAzimuthBins> covered{};
+  const double reach_m = 4 * input.sigma_m;
+  for_each_ray(view, input.sensor, stride_for(view, kJudgePoints), [&](const Ray& ray) {
+    const RayHit hit = posed.first_hit(ray.direction_lidar);
+    if (hit.face == kNoFace || std::abs(ray.range_m - hit.range_m - state.offset_m[ray.beam]) > reach_m) return;
+    const double turn = std::atan2(ray.direction_lidar.y(), ray.direction_lidar.x()) / (2 * kPi) + 0.5;
+    covered[std::min(kAzimuthBins - 1, static_cast<std::size_t>(turn * static_cast<double>(kAzimuthBins)))] = true;
+  });
+  return static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(kAzimuthBins);
+}
+
+void fill_counts(const RangeSums& sums, const SensorModel& sensor, double sigma_m, const RangeState& state,
+                 Location& location) {
+  location.points = sums.valid;
+  location.inliers = sums.inliers;
+  location.shares = shares_of(sums, sensor, sigma_m, state);
+  location.sigma_m = sigma_m;
+  location.rms_m = sigma_m * std::sqrt(sums.inlier_squares / std::max(1.0, static_cast<double>(sums.inliers)));
+}
+
+void refuse(Location& location, const char* reason) {
+  location.outcome = LocateOutcome::kRefused;
+  location.reason = reason;
+}
+
+void conclude(bool converged, const AcceptanceLimits& accept, Location& location) {
+  const char* reason = converged ? why_refused(location.shares, accept) : "the solution did not settle";
+  if (*reason == '\0' && location.azimuth < accept.min_azimuth) {
+    reason = "the LiDAR sees too little of its horizon: clear its view";
+  }
+  if (*reason != '\0') {
+    refuse(location, reason);
+  } else if (location.twins > 1) {
+    location.outcome = LocateOutcome::kAmbiguous;
+    location.reason = "the room looks the same from several places: give a nominal mounting or locate a camera";
+  } else {
+    location.outcome = LocateOutcome::kLocated;
+  }
+}
+
+}  // namespace roomcal::scan
