@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "tools/map/complete_map.h"
+#include "tools/evaluate/scene_map.h"
 #include "tools/simulate/make_room.h"
 #include "tools/simulate/shot.h"
 
@@ -26,24 +26,7 @@ std::vector<cv::Mat> take_pictures(const tools::Scene& scene, const tools::Stand
   return images;
 }
 
-tools::LoadedMap map_of(const tools::Scene& scene) {
-  tools::MapData data;
-  data.id = "simulated";
-  data.provenance = "tests/flow";
-  for (const tools::SceneMarker& from : tools::markers_of(scene)) {
-    map::MapMarker marker;
-    marker.id = static_cast<uint32_t>(from.id);
-    marker.p_room = from.centre_room;
-    marker.normal_room = from.normal_room;
-    marker.radius_m = from.radius_m;
-    marker.has_normal = marker.has_radius = true;
-    data.markers.push_back(marker);
-  }
-  tools::complete_map(data);
-  tools::AlignedBytes bytes = tools::build_map(data);
-  const map::RoomMap view = map::RoomMap::open(bytes.span()).value();  // moving a vector keeps its bytes in place
-  return {std::move(bytes), view};
-}
+tools::LoadedMap map_of(const tools::Scene& scene) { return tools::open_map(tools::map_data_of(scene)); }
 
 }  // namespace
 

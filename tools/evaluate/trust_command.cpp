@@ -1,0 +1,120 @@
+#include "tools/evaluate/trust_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/common/files.h"
+#include "tools/common/progress.h"
+#include "tools/evaluate/trust_trial.h"
+
+namespace roomcal::tools {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr int kRooms = 8;
+constexpr double kNamedBar = 0.99, kFalseAlarmBar = 0.01;
+
+struct Arguments {
+  int shots = 1000;
+  std::string json_file;
+};
+
+struct Report {
+  MoveTally moves;
+  std::array<TrapTally, kTraps.size()> traps{};
+};
+
+Report measure(int shots) {
+  std::vector<TrustRoom> rooms;
+  for (uint64_t seed = 1; seed <= kRooms; ++seed) rooms.emplace_back(seed);
+  const int traps = std::max(1, shots / 10);
+  Progress progress("trust", static_cast<std::size_t>(shots) + kTraps.size() * static_cast<std::size_t>(traps));
+  Report report;
+  for (int i = 0; i < shots; ++i) {
+    run_move_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, report.moves);
+    progress.step();
+  }
+  for (std::size_t t = 0; t < kTraps.size(); ++t)
+    for (int i = 0; i < traps; ++i) {
+      run_trap(kTraps[t], rooms[static_cast<std::size_t>(i % kRooms)],
+               rooms[static_cast<std::size_t>((i + 1) % kRooms)], static_cast<uint64_t>(i) + 1, report.traps[t]);
+      progress.step();
+    }
+  return report;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+/// Quantile of the mean of n chi-square values with 6 degrees of freedom (Wilson, Hilferty 1931).
+double nees_quantile(std::size_t n, double z) {
+  const double k = 6.0 * static_cast<double>(std::max<std::size_t>(1, n));
+  return k * std::pow(1 - 2 / (9 * k) + z * std::sqrt(2 / (9 * k)), 3) /
+         static_cast<double>(std::max<std::size_t>(1, n));
+}
+
+/// Two-sided 95 % for all pairs together (Sidak).
+double deviate(std::size_t pairs) { return pairs <= 1 ? 1.960 : pairs <= 6 ? 2.631 : 2.935; }
+
+bool print_and_judge(const Report& report, json& out) {
+  const MoveTally& moves = report.moves;
+  const int seen = moves.moved - moves.unseen;
+  const double named = seen == 0 ? 0 : static_cast<double>(moves.named) / seen;
+  const double false_alarms = moves.moved == 0 ? 1 : static_cast<double>(moves.false_alarms) / moves.moved;
+  fmt::print(
+      "verify, a sensor moved by 5 mm or 0.3 degree: {} of {} named, {:.2f} % (bar {:.0f} %); {} named another; {} "
+      "moved where the report says it does not see; {} shots refused\n",
+      moves.named, seen, 100 * named, 100 * kNamedBar, moves.misnamed, moves.unseen, moves.refused);
+  fmt::print("verify, nothing moved: {} false alarms in {}, {:.2f} % (bar {:.0f} %)\n", moves.false_alarms, moves.moved,
+             100 * false_alarms, 100 * kFalseAlarmBar);
+  bool good = named >= kNamedBar && false_alarms <= kFalseAlarmBar;
+  out["verify"] = {{"moved", seen},          {"named", moves.named},     {"misnamed", moves.misnamed},
+                   {"unseen", moves.unseen}, {"refused", moves.refused}, {"false_alarms", moves.false_alarms},
+                   {"unmoved", moves.moved}};
+  for (std::size_t t = 0; t < kTraps.size(); ++t) {
+    const TrapTally& trap = report.traps[t];
+    fmt::print("{:<34} {:4} shots: {:4} refused, {:4} right, {:4} wrong (bar 0)\n", to_string(kTraps[t]), trap.shots,
+               trap.refused, trap.right, trap.wrong);
+    out["traps"][to_string(kTraps[t])] = {
+        {"shots", trap.shots}, {"refused", trap.refused}, {"right", trap.right}, {"wrong", trap.wrong}};
+    good = good && trap.wrong == 0;
+  }
+  for (const auto& [pair, values] : moves.nees) {
+    const double z = deviate(moves.nees.size()), low = nees_quantile(values.size(), -z),
+                 high = nees_quantile(values.size(), z), nees = mean(values);
+    fmt::print("NEES {:<16} {:6.3f} in [{:.3f}, {:.3f}]{}\n", pair, nees, low, high,
+               nees > low && nees < high ? "" : "  OUTSIDE");
+    out["nees"][pair] = {{"mean", nees}, {"low", low}, {"high", high}};
+    good = good && nees > low && nees < high;
+  }
+  return good;
+}
+
+}  // namespace
+
+void add_evaluate_trust(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("trust", "is the sensor that moved named, are bad shots refused, is NEES 6");
+  command->add_option("--shots", arguments->shots, "shots with a moved sensor; a tenth as many of every trap")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--json", arguments->json_file, "write the figures to this file");
+  command->callback([arguments, &exit_code] {
+    json out;
+    const bool good = print_and_judge(measure(arguments->shots), out);
+    if (!arguments->json_file.empty()) write_atomic(arguments->json_file, out.dump(1) + "\n");
+    exit_code = good ? 0 : 2;
+  });
+}
+
+}  // namespace roomcal::tools

@@ -1,0 +1,151 @@
+#include "tools/evaluate/trust_shot.h"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "runtime/calib/lidar_models.h"
+#include "tools/common/error.h"
+#include "tools/common/steady_clock.h"
+#include "tools/simulate/make_room.h"
+#include "tools/simulate/marker_truth.h"
+#include "tools/simulate/random_stream.h"
+
+namespace roomcal::tools {
+
+namespace {
+
+constexpr double kSigma_px = 0.03;  // of a ring centre, per axis: what the detector reaches on 40 px markers
+constexpr double kMinDiameter_px = 15, kMaxSlant_deg = 65;
+constexpr double kMountSigma_t_m = 0.008, kMountSigma_rot_deg = 1;
+
+/// VLP-16 beside the reference camera: its y along the camera's z, then leant.
+SE3 lidar_mounting(double lean_deg, const Vec3& t_m) {
+  Mat33 upright;
+  upright << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return {upright * so3_exp(deg_to_rad(lean_deg) * Vec3(1, 0.3, 0).normalized()), t_m};
+}
+
+SE3 disturbed(const SE3& T, Random& random) {
+  Vec6 xi;
+  for (int i = 0; i < 6; ++i) xi[i] = random.normal() * (i < 3 ? kMountSigma_t_m : deg_to_rad(kMountSigma_rot_deg));
+  return T * se3_exp(xi);
+}
+
+Scene trust_scene(uint64_t seed) {
+  RoomOptions options;
+  options.seed = seed;
+  options.pillar = true;
+  return make_room(options);
+}
+
+}  // namespace
+
+TrustRoom::TrustRoom(uint64_t seed)
+    : scene_(std::make_unique<Scene>(trust_scene(seed))),
+      simulator_(std::make_unique<SweepSimulator>(*scene_)),
+      data_(map_data_of(*scene_)) {}
+
+std::string TrustDevice::name(std::size_t sensor) const {
+  const std::size_t cameras = device.cameras.size();
+  return std::string(sensor < cameras ? device.cameras[sensor].name.view()
+                                      : device.lidars[sensor - cameras].name.view());
+}
+
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed) {
+  ShotOptions options;
+  options.seed = seed;
+  const PaperDevice& robot = device_named("mobile_robot");
+  const Stand stand = place_device(room.scene(), robot, options);
+  Random random = random_stream(seed, 71);
+  TrustDevice out;
+  for (std::size_t i = 0; i < stand.cameras.size(); ++i) {
+    const TrueCamera& camera = stand.cameras[i];
+    static_cast<void>(out.device.cameras.push_back({std::string_view(camera.name), camera.camera, {}}));
+    out.T_rig_sensor.push_back(stand.cameras[0].T_room_cam.inverse() * camera.T_room_cam);
+  }
+  const SE3 nominal[] = {lidar_mounting(-40, Vec3(0.05, -0.1, -0.05)), lidar_mounting(35, Vec3(-0.05, -0.3, -0.1))};
+  for (std::size_t i = 0; i < std::size(nominal); ++i) {
+    calib::LidarSpec spec;
+    spec.name = std::string_view(fmt::format("lidar{}", i));
+    spec.model = "vlp16";
+    spec.ranges = *calib::ranges_of("vlp16");
+    spec.nominal = {true, nominal[i], deg_to_rad(kMountSigma_rot_deg), kMountSigma_t_m};
+    static_cast<void>(out.device.lidars.push_back(spec));
+    out.T_rig_sensor.push_back(disturbed(nominal[i], random));
+    std::vector<double>& offsets = out.beam_offset_m.emplace_back();
+    for (int beam = 0; beam < 16; ++beam) offsets.push_back(spec.ranges.beam_offset_sigma_m * random.normal());
+  }
+  return out;
+}
+
+SE3 place_trust_device(const TrustRoom& room, uint64_t seed) {
+  ShotOptions options;
+  options.seed = seed;
+  return place_device(room.scene(), device_named("mobile_robot"), options).cameras[0].T_room_cam;
+}
+
+std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
+                                         Random& random) {
+  std::vector<marker::Detection> rings;
+  for (const MarkerTruth& seen : project_markers(room.scene(), camera, T_room_cam)) {
+    if (seen.visible < 0.999 || seen.outer.major_px < kMinDiameter_px || rad_to_deg(seen.slant_rad) > kMaxSlant_deg)
+      continue;
+    marker::Detection ring;
+    const double sigma_px = kSigma_px * random.uniform(0.7, 1.5);
+    ring.centre_px = seen.uv_px + sigma_px * Vec2(random.normal(), random.normal());
+    ring.cov_px2 = sigma_px * sigma_px * Mat22::Identity();
+    ring.ellipse = {seen.outer.centre_px, seen.outer.major_px, seen.outer.minor_px, seen.outer.angle_rad};
+    ring.rings = 3;
+    ring.status = marker::DetectionStatus::kOk;
+    rings.push_back(ring);
+  }
+  return rings;
+}
+
+TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, const SE3& T_room_rig,
+                          const TrustFlaws& flaws, Random& random) {
+  TrustShot shot;
+  const std::size_t cameras = device.device.cameras.size();
+  for (std::size_t i = 0; i < cameras; ++i)
+    shot.rings.push_back(see_rings(room, device.device.cameras[i].camera, T_room_rig * device.T_rig_sensor[i], random));
+  for (std::size_t i = 0; i < device.device.lidars.size(); ++i) {
+    SweepFlaws sweep;
+    sweep.sigma_m = device.device.lidars[i].ranges.sigma_m;
+    sweep.beam_offset_m = device.beam_offset_m[i];
+    sweep.blocked_from_rad = random.uniform(0, 2 * kPi - flaws.blocked_rad);
+    sweep.blocked_to_rad = sweep.blocked_from_rad + flaws.blocked_rad;
+    shot.sweeps.push_back(
+        room.simulator().sweep(vlp16_beams(), sweep, T_room_rig * device.T_rig_sensor[cameras + i], random.bits()));
+  }
+  return shot;
+}
+
+TrustSession::TrustSession(const calib::Device& device, const MapData& data)
+    : map_(open_map(data)),
+      device_(device),
+      plan_(calib::plan_memory(device, map_.map)),
+      block_(plan_.total_bytes()),
+      arenas_(std::move(Arenas::carve(block_, plan_.permanent_bytes, plan_.scratch_bytes)).value()),
+      index_(map::TriangleIndex::build(map_.map, arenas_.permanent).value()) {
+  const Result<scan::Surface> surface = scan::Surface::build(map_.map, {}, arenas_.permanent, arenas_.scratch);
+  require(surface.status(), "simulated room");
+  surface_ = surface.value();
+  arenas_.permanent.seal();
+}
+
+const calib::Outcome& TrustSession::run(TrustShot& shot, const store::Record* installed) {
+  arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
+  const calib::Session session{
+      .device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_, .installed = installed};
+  std::vector<std::span<marker::Detection>> rings(shot.rings.begin(), shot.rings.end());
+  std::vector<lidar::Sweep> views;
+  for (const SimulatedSweep& sweep : shot.sweeps) views.push_back(sweep.view());
+  std::vector<calib::Sweeps> sweeps;
+  for (const lidar::Sweep& view : views) sweeps.emplace_back(&view, 1);
+  require(calib::calibrate(session, calib::DetectedShot{rings, sweeps}, SteadyClock(), arenas_, *outcome_),
+          "simulated shot");
+  return *outcome_;
+}
+
+}  // namespace roomcal::tools

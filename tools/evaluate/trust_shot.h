@@ -1,0 +1,79 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/calib/memory_plan.h"
+#include "runtime/calib/session.h"
+#include "tools/common/random.h"
+#include "tools/evaluate/scene_map.h"
+#include "tools/simulate/lidar_sweep.h"
+#include "tools/simulate/shot.h"
+
+namespace roomcal::tools {
+
+/// A simulated room with its map, and what a session wants of it.
+class TrustRoom {
+ public:
+  explicit TrustRoom(uint64_t seed);
+
+  const Scene& scene() const { return *scene_; }
+  const SweepSimulator& simulator() const { return *simulator_; }
+  const MapData& data() const { return data_; }
+
+ private:
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<SweepSimulator> simulator_;
+  MapData data_;
+};
+
+/// The paper's robot with two VLP-16 leaning so that both see floor and walls: sensors' true poses in the rig.
+struct TrustDevice {
+  calib::Device device;                            ///< true lenses, nominal mountings
+  std::vector<SE3> T_rig_sensor;                   ///< cameras, then LiDARs; the first camera is the rig
+  std::vector<std::vector<double>> beam_offset_m;  ///< per LiDAR: the units' own
+
+  std::size_t sensors() const { return T_rig_sensor.size(); }
+  std::string name(std::size_t sensor) const;
+};
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed);
+
+/// A place in the room where this device may stand: the reference camera's pose.
+SE3 place_trust_device(const TrustRoom& room, uint64_t seed);
+
+/// What every sensor sees of a room, at the level of observations: ring centres with their noise, sweeps.
+struct TrustShot {
+  std::vector<std::vector<marker::Detection>> rings;
+  std::vector<SimulatedSweep> sweeps;
+};
+struct TrustFlaws {
+  double blocked_rad = 0;  ///< of each LiDAR's horizon
+};
+TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, const SE3& T_room_rig,
+                          const TrustFlaws& flaws, Random& random);
+/// Rings of one camera only.
+std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
+                                         Random& random);
+
+/// Arms a session with a map and runs shots through it.
+class TrustSession {
+ public:
+  TrustSession(const calib::Device& device, const MapData& map);
+
+  const calib::Outcome& run(TrustShot& shot, const store::Record* installed);
+  const calib::Outcome& outcome() const { return *outcome_; }
+  const map::RoomMap& map() const { return map_.map; }
+
+ private:
+  LoadedMap map_;
+  const calib::Device& device_;
+  calib::MemoryPlan plan_;
+  std::vector<std::byte> block_;
+  Arenas arenas_;
+  map::TriangleIndex index_;
+  scan::Surface surface_;
+  std::unique_ptr<calib::Outcome> outcome_ = std::make_unique<calib::Outcome>();
+};
+
+}  // namespace roomcal::tools
