@@ -82,10 +82,22 @@ Outline clip(const Outline& outline, const Vec3& normal, double d_m) {
   return kept;
 }
 
-/// Cuts the sides that no neighbour has clipped.
-Outline close_open_sides(Outline outline, const PlaneExtent& own, const Vec3& u, const Vec3& v, double margin_m) {
+/// How far anything is known of the room.
+double known_extent(const Vec3& axis, std::span<const PlaneExtent> planes) {
+  double high_m = -kFar_m;
+  for (const PlaneExtent& plane : planes)
+    if (!plane.points_room.empty()) high_m = std::max(high_m, extent_along(axis, plane.points_room).high);
+  return high_m;
+}
+
+/// Cuts the sides that no neighbour has clipped, or only where nothing of the room is known: walls that lean towards
+/// each other by a fraction of a degree meet hundreds of metres above it.
+Outline close_open_sides(Outline outline, const PlaneExtent& own, std::span<const PlaneExtent> planes, const Vec3& u,
+                         const Vec3& v, double margin_m) {
   for (const Vec3& axis : {u, v, Vec3(-u), Vec3(-v)}) {
-    if (extent_along(axis, outline.span()).high < kFar_m / 2) continue;
+    const double known_m = known_extent(axis, planes);
+    const double open_m = known_m > -kFar_m ? std::min(kFar_m / 2, known_m + kInnerGap_m) : kFar_m / 2;
+    if (extent_along(axis, outline.span()).high < open_m) continue;
     const double end_m = own.points_room.empty() ? kFar_m / 4 : extent_along(axis, own.points_room).high + margin_m;
     outline = clip(outline, -axis, end_m);
   }
@@ -113,7 +125,7 @@ Outline grow_outline(std::span<const PlaneExtent> planes, std::size_t i, double 
     if (side == Side::kFront) outline = clip(outline, other.normal_room, other.d_m);
     if (side == Side::kBack) outline = clip(outline, -other.normal_room, -other.d_m);
   }
-  return close_open_sides(outline, own, u, v, open_margin_m);
+  return close_open_sides(outline, own, planes, u, v, open_margin_m);
 }
 
 }  // namespace roomcal::scan
