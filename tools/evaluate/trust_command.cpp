@@ -32,8 +32,11 @@ struct Report {
 };
 
 Report measure(int shots) {
-  std::vector<TrustRoom> rooms;
-  for (uint64_t seed = 1; seed <= kRooms; ++seed) rooms.emplace_back(seed);
+  std::vector<TrustRoom> rooms, with_pillar;
+  for (uint64_t seed = 1; seed <= kRooms; ++seed) {
+    rooms.emplace_back(seed);
+    with_pillar.emplace_back(seed, true);
+  }
   const int traps = std::max(1, shots / 10);
   Progress progress("trust", static_cast<std::size_t>(shots) + kTraps.size() * static_cast<std::size_t>(traps));
   Report report;
@@ -43,8 +46,9 @@ Report measure(int shots) {
   }
   for (std::size_t t = 0; t < kTraps.size(); ++t)
     for (int i = 0; i < traps; ++i) {
-      run_trap(kTraps[t], rooms[static_cast<std::size_t>(i % kRooms)],
-               rooms[static_cast<std::size_t>((i + 1) % kRooms)], static_cast<uint64_t>(i) + 1, report.traps[t]);
+      const auto& in = kTraps[t] == Trap::kUnmappedPillar ? with_pillar : rooms;
+      run_trap(kTraps[t], in[static_cast<std::size_t>(i % kRooms)], rooms[static_cast<std::size_t>((i + 1) % kRooms)],
+               static_cast<uint64_t>(i) + 1, report.traps[t]);
       progress.step();
     }
   return report;

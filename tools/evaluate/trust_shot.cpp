@@ -32,17 +32,17 @@ SE3 disturbed(const SE3& T, Random& random) {
   return T * se3_exp(xi);
 }
 
-Scene trust_scene(uint64_t seed) {
+Scene trust_scene(uint64_t seed, bool pillar) {
   RoomOptions options;
   options.seed = seed;
-  options.pillar = true;
+  options.pillar = pillar;
   return make_room(options);
 }
 
 }  // namespace
 
-TrustRoom::TrustRoom(uint64_t seed)
-    : scene_(std::make_unique<Scene>(trust_scene(seed))),
+TrustRoom::TrustRoom(uint64_t seed, bool pillar)
+    : scene_(std::make_unique<Scene>(trust_scene(seed, pillar))),
       simulator_(std::make_unique<SweepSimulator>(*scene_)),
       data_(map_data_of(*scene_)) {}
 
@@ -134,17 +134,21 @@ TrustSession::TrustSession(const calib::Device& device, const MapData& data)
   arenas_.permanent.seal();
 }
 
-const calib::Outcome& TrustSession::run(TrustShot& shot, const store::Record* installed) {
+TrustShotView::TrustShotView(TrustShot& shot) : rings_(shot.rings.begin(), shot.rings.end()) {
+  for (const SimulatedSweep& sweep : shot.sweeps) views_.push_back(sweep.view());
+  for (const lidar::Sweep& view : views_) sweeps_.emplace_back(&view, 1);
+}
+
+Status TrustSession::calibrate(const calib::DetectedShot& shot, const store::Record* installed) {
   arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
   const calib::Session session{
       .device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_, .installed = installed};
-  std::vector<std::span<marker::Detection>> rings(shot.rings.begin(), shot.rings.end());
-  std::vector<lidar::Sweep> views;
-  for (const SimulatedSweep& sweep : shot.sweeps) views.push_back(sweep.view());
-  std::vector<calib::Sweeps> sweeps;
-  for (const lidar::Sweep& view : views) sweeps.emplace_back(&view, 1);
-  require(calib::calibrate(session, calib::DetectedShot{rings, sweeps}, SteadyClock(), arenas_, *outcome_),
-          "simulated shot");
+  return calib::calibrate(session, shot, SteadyClock(), arenas_, *outcome_);
+}
+
+const calib::Outcome& TrustSession::run(TrustShot& shot, const store::Record* installed) {
+  const TrustShotView view(shot);
+  require(calibrate(view.shot(), installed), "simulated shot");
   return *outcome_;
 }
 

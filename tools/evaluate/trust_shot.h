@@ -16,7 +16,8 @@ namespace roomcal::tools {
 /// A simulated room with its map, and what a session wants of it.
 class TrustRoom {
  public:
-  explicit TrustRoom(uint64_t seed);
+  /// @param pillar  stands in the room, and the map does not know it: too few markers on its faces.
+  explicit TrustRoom(uint64_t seed, bool pillar = false);
 
   const Scene& scene() const { return *scene_; }
   const SweepSimulator& simulator() const { return *simulator_; }
@@ -56,12 +57,26 @@ TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, cons
 std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
                                          Random& random);
 
+/// The runtime's view of a shot, which must outlive it.
+class TrustShotView {
+ public:
+  explicit TrustShotView(TrustShot& shot);
+  calib::DetectedShot shot() const { return {rings_, sweeps_}; }
+
+ private:
+  std::vector<std::span<marker::Detection>> rings_;
+  std::vector<lidar::Sweep> views_;
+  std::vector<calib::Sweeps> sweeps_;
+};
+
 /// Arms a session with a map and runs shots through it.
 class TrustSession {
  public:
   TrustSession(const calib::Device& device, const MapData& map);
 
   const calib::Outcome& run(TrustShot& shot, const store::Record* installed);
+  /// calibrate() and nothing else: no heap call.
+  Status calibrate(const calib::DetectedShot& shot, const store::Record* installed);
   const calib::Outcome& outcome() const { return *outcome_; }
   const map::RoomMap& map() const { return map_.map; }
 

@@ -118,6 +118,7 @@ MapData map_for(Trap trap, const TrustRoom& room, const TrustRoom& other, Random
       return with_mirrored_wall(room.data(), random);
     case Trap::kOtherRoomsCamera:
     case Trap::kBlockedLidar:
+    case Trap::kUnmappedPillar:
       return room.data();
   }
   return room.data();
@@ -137,6 +138,8 @@ const char* to_string(Trap trap) {
       return "one wall mirrored in the map";
     case Trap::kBlockedLidar:
       return "LiDARs blocked over 270 degrees";
+    case Trap::kUnmappedPillar:
+      return "a pillar that the map lacks";
   }
   return "";
 }

@@ -22,9 +22,16 @@ struct MoveTally {
   std::map<std::string, std::vector<double>> nees;  ///< "cam0-lidar1" -> one value a shot
 };
 
-enum class Trap : uint8_t { kWrongRoom, kMarkersMoved, kOtherRoomsCamera, kMirroredWall, kBlockedLidar };
-inline constexpr std::array kTraps = {Trap::kWrongRoom, Trap::kMarkersMoved, Trap::kOtherRoomsCamera,
-                                      Trap::kMirroredWall, Trap::kBlockedLidar};
+enum class Trap : uint8_t {
+  kWrongRoom,
+  kMarkersMoved,
+  kOtherRoomsCamera,
+  kMirroredWall,
+  kBlockedLidar,
+  kUnmappedPillar
+};
+inline constexpr std::array kTraps = {Trap::kWrongRoom,    Trap::kMarkersMoved, Trap::kOtherRoomsCamera,
+                                      Trap::kMirroredWall, Trap::kBlockedLidar, Trap::kUnmappedPillar};
 const char* to_string(Trap trap);
 
 struct TrapTally {
@@ -38,7 +45,8 @@ struct TrapTally {
 /// degree.
 void run_move_trial(const TrustRoom& room, uint64_t seed, MoveTally& tally);
 
-/// A shot that must not be believed. @param other  another room.
+/// A shot that must be refused or come out right. @param room  with a pillar for kUnmappedPillar. @param other  another
+/// room.
 void run_trap(Trap trap, const TrustRoom& room, const TrustRoom& other, uint64_t seed, TrapTally& tally);
 
 }  // namespace roomcal::tools
