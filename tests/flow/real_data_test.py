@@ -172,6 +172,32 @@ class RenderedShots(unittest.TestCase):
                 self.assertEqual(len(pairs[a, b]["covariance"]), 6)
         print(f"{device}, {sweeps} sweep(s): {json.dumps({k: round(v, 1) for k, v in result['timing_ms'].items()})}")
 
+    def test_sweeps_that_are_none_are_refused_by_name(self):
+        source, shot, report = DATA / "room-a/robot", self.folder / "bad", self.folder / "bad.json"
+        config = self.folder / "robot-bad.yaml"
+        roomcal("import", "kalibr", source / "camchain.yaml", "--nominal", source / "nominal.json", "-o", config)
+        shot.mkdir()
+        for image in source.glob("cam*.png"):
+            (shot / image.name).write_bytes(image.read_bytes())
+        good = (source / "lidar0.pcap").read_bytes()
+        cases = {
+            "no packets": None,
+            "whole": good[:40000],
+            "no packets: ": b"not a recording at all",
+            "nominal mounting": (DATA / "room-a/backpack/lidar0.pcap").read_bytes(),
+        }
+        for words, content in cases.items():
+            if content is not None:
+                (shot / "lidar0.pcap").write_bytes(content)
+            done = roomcal("calibrate", "--map", self.folder / "room-a.room", "--device", config, "--shot", shot,
+                           "--json", report, expect=2)
+            result = json.loads(report.read_text())
+            about = [reason for reason in result["reasons"] if reason.startswith("lidar0: ")]
+            print(f"robot, bad sweep: {about}")
+            self.assertTrue(any(words in reason for reason in about), done.stdout)
+            self.assertFalse(result["sensors"]["lidar0"]["located"])
+            self.assertTrue(result["sensors"]["cam3"]["located"])
+
     def check_detector(self, device):
         truth = json.loads((DATA / "room-a" / device / "truth.json").read_text())
         wanted = found = false_alarms = 0
