@@ -94,7 +94,8 @@ double known_extent(const Vec3& axis, std::span<const PlaneExtent> planes) {
 /// each other by a fraction of a degree meet hundreds of metres above it.
 Outline close_open_sides(Outline outline, const PlaneExtent& own, std::span<const PlaneExtent> planes, const Vec3& u,
                          const Vec3& v, double margin_m) {
-  for (const Vec3& axis : {u, v, Vec3(-u), Vec3(-v)}) {
+  // Up and down first: the tip where two walls meet, cut off, no longer stretches the wall sideways.
+  for (const Vec3& axis : {v, Vec3(-v), u, Vec3(-u)}) {
     const double known_m = known_extent(axis, planes);
     const double open_m = known_m > -kFar_m ? std::min(kFar_m / 2, known_m + kInnerGap_m) : kFar_m / 2;
     if (extent_along(axis, outline.span()).high < open_m) continue;
