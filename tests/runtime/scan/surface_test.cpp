@@ -41,7 +41,7 @@ TEST(Surface, MapOfMarkersOnly_OutlinesReachTheEdgesOfTheRoom) {
 }
 
 TEST(Surface, WallWithoutCeiling_EndsAtItsHighestMarker) {
-  for (uint64_t seed = 1; seed <= 12; ++seed) {  // 5 and 8: walls that lean towards each other and meet, far above
+  for (const uint64_t seed : {4U, 5U, 8U}) {  // 5 and 8: walls that lean towards each other and meet, far above
     tools::RoomOptions options;
     options.seed = seed;
     const BakedRoom baked(tools::make_room(options));
