@@ -159,7 +159,7 @@ TEST_F(SheetPdf, SameSheetsTwice_GiveTheSameBytes) {
 TEST_F(SheetPdf, OutputNotWritable_IsNamed) {
   const SheetPage page = layout_sheet(paper_named("a4"), 0, kBestRings);
   const std::string message = test::refusal([&] { write_sheets(page, 0, 1, "/proc/nowhere/s.pdf"); });
-  EXPECT_TRUE(test::contains(message, "/proc/nowhere/s.pdf: cannot be created")) << message;
+  EXPECT_TRUE(test::contains(message, "/proc/nowhere/s.pdf: cannot be opened for writing")) << message;
 }
 
 }  // namespace
