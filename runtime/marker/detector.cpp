@@ -1,9 +1,9 @@
 #include "runtime/marker/detector.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "runtime/marker/candidates.h"
+#include "runtime/marker/ellipse_of.h"
 #include "runtime/marker/refine.h"
 
 namespace roomcal::marker {
@@ -11,18 +11,11 @@ namespace {
 
 constexpr int kMinImagePx = 16;
 
-bool inside(const Ellipse& e, const Vec2& point_px) {
-  const Vec2 axis(std::cos(e.angle_rad), std::sin(e.angle_rad));
-  const Vec2 d = point_px - e.centre_px;
-  const double along = 2 * d.dot(axis) / e.major_px;
-  const double across = 2 * (d.y() * axis.x() - d.x() * axis.y()) / e.minor_px;
-  return along * along + across * across < 1;
-}
-
 /// One marker seen twice, perhaps one ring off on one side: the smaller one holds the other's centre. No two sheets
 /// can.
 bool same_marker(const Detection& a, const Detection& b) {
-  return a.ellipse.major_px < b.ellipse.major_px ? inside(a.ellipse, b.centre_px) : inside(b.ellipse, a.centre_px);
+  const bool a_is_smaller = a.ellipse.major_px < b.ellipse.major_px;
+  return (a_is_smaller ? radius2_in(a.ellipse, b.centre_px) : radius2_in(b.ellipse, a.centre_px)) < 1;
 }
 
 /// Usable ones first, then by size (a large marker is measured better), then by place for a defined order.

@@ -13,6 +13,14 @@ Ellipse ellipse_of(const Vec2& centre_px, const Mat22& S2_px2) {
           0.5 * std::atan2(S2_px2(0, 1), half_difference)};
 }
 
+double radius2_in(const Ellipse& ellipse, const Vec2& point_px) {
+  const Vec2 axis(std::cos(ellipse.angle_rad), std::sin(ellipse.angle_rad));
+  const Vec2 d = point_px - ellipse.centre_px;
+  const double along = 2 * d.dot(axis) / ellipse.major_px;
+  const double across = 2 * (d.y() * axis.x() - d.x() * axis.y()) / ellipse.minor_px;
+  return along * along + across * across;
+}
+
 bool crosses_border(ImageView image, const Vec2& centre_px, const Mat22& S2_px2) {
   const double hx = std::sqrt(S2_px2(0, 0));
   const double hy = std::sqrt(S2_px2(1, 1));

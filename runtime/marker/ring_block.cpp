@@ -243,12 +243,8 @@ const Lanes& lanes_at(const float* values) { return *reinterpret_cast<const Lane
 void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels], double (&product)[3][3]) {
   Lanes sum[3][3] = {};
   for (int i = 0; i < kBlockPixels; i += kLanes) {
-    const Lanes* left[3] = {reinterpret_cast<const Lanes*>(a[0] + i), reinterpret_cast<const Lanes*>(a[1] + i),
-                            reinterpret_cast<const Lanes*>(a[2] + i)};
-    const Lanes* right[3] = {reinterpret_cast<const Lanes*>(b[0] + i), reinterpret_cast<const Lanes*>(b[1] + i),
-                             reinterpret_cast<const Lanes*>(b[2] + i)};
     for (int m = 0; m < 3; ++m) {
-      for (int n = 0; n < 3; ++n) sum[m][n] += *left[m] * *right[n];
+      for (int n = 0; n < 3; ++n) sum[m][n] += lanes_at(a[m] + i) * lanes_at(b[n] + i);
     }
   }
   for (int m = 0; m < 3; ++m) {

@@ -107,13 +107,9 @@ bool fit_rim(ImageView image, const Vec2& speck_px, const DetectorOptions& optio
 bool is_known(const Vec2& speck_px, const CandidateList& list) {
   for (const Candidate& known : list.items.first(list.count)) {
     const Ellipse& e = known.outer;
-    const Vec2 d = speck_px - e.centre_px;
-    if (d.squaredNorm() > e.major_px * e.major_px / 4) continue;
-    const Vec2 axis(std::cos(e.angle_rad), std::sin(e.angle_rad));
-    const double along = 2 * d.dot(axis) / e.major_px;
-    const double across = 2 * (d.y() * axis.x() - d.x() * axis.y()) / e.minor_px;
+    if ((speck_px - e.centre_px).squaredNorm() > e.major_px * e.major_px / 4) continue;
     const double reach = e.major_px > 2 * kLongestPx ? 0.0025 : known.rings >= 3 ? 1.0 : 0.25;
-    if (along * along + across * across < reach) return true;
+    if (radius2_in(e, speck_px) < reach) return true;
   }
   return false;
 }
