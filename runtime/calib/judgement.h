@@ -25,13 +25,6 @@ class Judgement {
   Outcome& outcome_;
 };
 
-/// A sensor's name for "%.*s".
-struct Name {
-  explicit Name(const SensorName& name) : length(static_cast<int>(name.view().size())), text(name.view().data()) {}
-  int length;
-  const char* text;
-};
-
 /// 1-sigma of an extrinsic against the limits.
 void judge_covariance(const SensorName& name, const Mat66& cov_rig_sensor, const Limits& limits, Judgement& judgement);
 

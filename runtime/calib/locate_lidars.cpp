@@ -47,14 +47,16 @@ bool prior_of(const LocatedRig& rig, const NominalMounting& mounting, scan::Pose
 
 Reason disagreement(const SensorName& name, const scan::PosePrior& prior, const SE3& T_room_lidar) {
   const Vec6 off = se3_log(prior.T_room_lidar.inverse() * T_room_lidar);
+  const Name who(name);
   return make_reason(
       "%.*s: its sweep puts it %.2f m and %.1f deg from where cameras and nominal mounting do: check its "
       "bracket, and that this is the map of this room",
-      static_cast<int>(name.view().size()), name.view().data(), off.head<3>().norm(), rad_to_deg(off.tail<3>().norm()));
+      who.length, who.text, off.head<3>().norm(), rad_to_deg(off.tail<3>().norm()));
 }
 
 Reason refusal(const SensorName& name, const scan::Location& location) {
-  return make_reason("%.*s: %s", static_cast<int>(name.view().size()), name.view().data(), location.reason);
+  const Name who(name);
+  return make_reason("%.*s: %s", who.length, who.text, location.reason);
 }
 
 Status locate_one(const Session& session, std::size_t i, const Sweeps& sweeps, const LocatedRig& rig, Arenas& arenas,

@@ -54,18 +54,17 @@ Reason explain_misfit(const CameraSpec& camera, std::span<pose::Observation> obs
   pose::CameraLocation location;
   if (!pose::locate_camera(camera.camera, observations, index, options, step, scratch, location).ok()) return {};
 
-  const int n = static_cast<int>(camera.name.view().size());
-  const char* s = camera.name.view().data();
+  const Name who(camera.name);
   const double ratio = size_ratio(camera.camera, observations, major_px, index, location);
   if (std::abs(std::log(ratio)) > kSizeMisfit)
     return make_reason(
         "%.*s: its rings look %.2f times as large as the map's radius makes them: is that the radius of "
         "the printed outer circle?",
-        n, s, ratio);
+        who.length, who.text, ratio);
   return make_reason(
       "%.*s: %zu of %zu markers fit a pose to %.2f px only, not as well as claimed: intrinsics of another "
       "camera? else give it sigma_px in device.yaml, or the map its --sigma",
-      n, s, location.inliers.size(), observations.size(), location.rms_px);
+      who.length, who.text, location.inliers.size(), observations.size(), location.rms_px);
 }
 
 }  // namespace roomcal::calib

@@ -47,22 +47,22 @@ Levels sample_levels(ImageView image) {
 }  // namespace
 
 Reason check_image(const CameraSpec& camera, ImageView image) {
-  const int n = static_cast<int>(camera.name.view().size());
-  const char* s = camera.name.view().data();
+  const Name who(camera.name);
   const camera::Intrinsics& k = camera.camera.intrinsics();
-  if (image.empty()) return make_reason("%.*s: no image: check its cable and driver", n, s);
+  if (image.empty()) return make_reason("%.*s: no image: check its cable and driver", who.length, who.text);
   if (image.width() != k.width_px || image.height() != k.height_px)
     return make_reason(
         "%.*s: image is %dx%d but its intrinsics are for %dx%d: set the camera's mode or import its intrinsics again",
-        n, s, image.width(), image.height(), k.width_px, k.height_px);
+        who.length, who.text, image.width(), image.height(), k.width_px, k.height_px);
   const Levels levels = sample_levels(image);
   if (levels.high < kTooDark)
-    return make_reason("%.*s: mean level %d/255: switch the room light on or open the exposure", n, s, levels.mean);
+    return make_reason("%.*s: mean level %d/255: switch the room light on or open the exposure", who.length, who.text,
+                       levels.mean);
   if (levels.low > kTooBright)
-    return make_reason("%.*s: mean level %d/255: overexposed, shorten the exposure", n, s, levels.mean);
+    return make_reason("%.*s: mean level %d/255: overexposed, shorten the exposure", who.length, who.text, levels.mean);
   if (levels.high - levels.low < kMinSpread)
-    return make_reason("%.*s: image has no contrast (%d..%d): is the lens covered or out of focus?", n, s, levels.low,
-                       levels.high);
+    return make_reason("%.*s: image has no contrast (%d..%d): is the lens covered or out of focus?", who.length,
+                       who.text, levels.low, levels.high);
   return {};
 }
 

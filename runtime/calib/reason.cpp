@@ -15,8 +15,8 @@ Reason make_reason(const char* format, ...) {
 }
 
 Reason sensor_reason(const SensorName& name, const Status& status) {
-  return make_reason("%.*s: %s: %s", static_cast<int>(name.view().size()), name.view().data(), to_string(status.code()),
-                     status.detail());
+  const Name who(name);
+  return make_reason("%.*s: %s: %s", who.length, who.text, to_string(status.code()), status.detail());
 }
 
 }  // namespace roomcal::calib

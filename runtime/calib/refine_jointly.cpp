@@ -131,9 +131,10 @@ Result<bool> relinearize(const Session& session, std::span<const Sweeps> sweeps,
     prior.cov.diagonal().array() += 1e-12;
     ROOMCAL_TRY(locate_sweeps(session, i, sweeps[i], &prior, arenas, lidar.location));
     lidar.located = lidar.location.outcome == scan::LocateOutcome::kLocated;
-    if (!lidar.located)
-      lidar.failure = make_reason("%.*s: cameras and sweep do not agree on where it is: check its bracket",
-                                  static_cast<int>(lidar.name.view().size()), lidar.name.view().data());
+    if (lidar.located) continue;
+    const Name who(lidar.name);
+    lidar.failure =
+        make_reason("%.*s: cameras and sweep do not agree on where it is: check its bracket", who.length, who.text);
   }
   return changed;
 }
