@@ -1,10 +1,8 @@
-#include <cstring>
-#include <memory>
 #include <vector>
 
-#include "runtime/base/crc32c.h"
 #include "runtime/map/format.h"
 #include "runtime/map/sample_surface.h"
+#include "tests/fuzz/sealed.h"
 #include "tools/map/map_builder.h"
 
 namespace {
@@ -37,29 +35,9 @@ void walk(std::span<const std::byte> bytes) {
   }
 }
 
-// With sums made to fit, so that the fuzzer gets past them to what they guard.
-void reseal(std::span<std::byte> bytes) {
-  map::FileHeader header{};
-  if (bytes.size() < sizeof header) return;
-  std::memcpy(&header, bytes.data(), sizeof header);
-  header.magic = map::kMagic;
-  header.version = map::kFormatVersion;
-  header.payload_bytes = static_cast<uint32_t>(bytes.size() - sizeof header);
-  header.payload_crc32c = crc32c(bytes.subspan(sizeof header));
-  std::memcpy(bytes.data(), &header, sizeof header);
-  header.header_crc32c = crc32c(bytes.first(offsetof(map::FileHeader, header_crc32c)));
-  std::memcpy(bytes.data(), &header, sizeof header);
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
-  // A heap block of exactly this size, so that reading one byte too far is seen.
-  const std::unique_ptr<std::byte[]> block(new std::byte[size]);
-  if (size > 0) std::memcpy(block.get(), data, size);
-  const std::span<std::byte> bytes(block.get(), size);
-  walk(bytes);
-  reseal(bytes);
-  walk(bytes);
+  fuzz::walk_sealed<map::FileHeader>(data, size, map::kMagic, map::kFormatVersion, walk);
   return 0;
 }
