@@ -15,6 +15,7 @@ class FolderTest : public testing::Test {
   void SetUp() override {
     const testing::TestInfo& info = *testing::UnitTest::GetInstance()->current_test_info();
     folder_ = fs::path(testing::TempDir()) / (std::string("roomcal_") + info.test_suite_name() + "_" + info.name());
+    fs::remove_all(folder_);  // of a run that was killed
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 
 #include "tests/tools/bake/synthetic_survey.h"
+#include "tests/tools/folder_test.h"
 #include "tests/tools/refusal.h"
 #include "tools/bake/survey_json.h"
 #include "tools/common/files.h"
@@ -46,19 +47,14 @@ std::string camchain(const StereoRig& rig, double baseline_factor = 1, int width
   return out.str();
 }
 
-class BakeCommand : public testing::Test {
+class BakeCommand : public test::FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("roomcal_bake_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     put("chain.yaml", camchain(test::make_stereo_rig()));
     put("m.room", kOldMap);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
   void put(const std::string& name, const std::string& text) const {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;
@@ -85,8 +81,6 @@ class BakeCommand : public testing::Test {
     EXPECT_EQ(read_text(file("m.room")), kOldMap);
     EXPECT_FALSE(fs::exists(file("m.room.new")));
   }
-
-  fs::path folder_;
 };
 
 TEST_F(BakeCommand, MissingSide_IsNamed) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/bake/synthetic_survey.h"
+#include "tests/tools/folder_test.h"
 #include "tests/tools/refusal.h"
 #include "tools/bake/survey_json.h"
 
@@ -16,21 +17,13 @@ namespace fs = std::filesystem;
 using test::contains;
 using test::refusal;
 
-/// A folder that goes away with the test; its files are empty, which is enough for pairing.
-class SurveyFolder : public testing::Test {
+/// Its files are empty, which is enough for pairing.
+class SurveyFolder : public test::FolderTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("roomcal_survey_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   void put(const std::string& name) const {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << ' ';
   }
-  fs::path folder_;
 };
 
 TEST(NaturalLess, Numbers_CompareByValue) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/math/se3.h"
+#include "tests/tools/folder_test.h"
 #include "tests/tools/map/box_room.h"
 #include "tests/tools/refusal.h"
 #include "tools/common/files.h"
@@ -19,18 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for every test.
-class MapCommand : public testing::Test {
+class MapCommand : public test::FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("roomcal_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
   void write_csv(const std::string& name, const std::vector<map::MapMarker>& markers) const {
     std::ofstream out(folder_ / name);
     out.precision(17);
@@ -48,8 +39,6 @@ class MapCommand : public testing::Test {
     std::reverse(words.begin(), words.end());  // CLI11 wants them so
     app.parse(words);
   }
-
-  fs::path folder_;
 };
 
 TEST_F(MapCommand, ImportInfoNoise_AgreeOnTheMarkers) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/tools/folder_test.h"
 #include "tests/tools/refusal.h"
 #include "tools/common/files.h"
 
@@ -17,17 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class PlanCommand : public testing::Test {
+class PlanCommand : public test::FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("roomcal_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
   /// Runs `roomcal plan <words>`. @return its exit code.
   static int run(std::vector<std::string> words) {
     CLI::App app;
@@ -41,8 +33,6 @@ class PlanCommand : public testing::Test {
   static std::string refused(const std::vector<std::string>& words) {
     return test::refusal([&] { run(words); });
   }
-
-  fs::path folder_;
 };
 
 TEST_F(PlanCommand, SameSeedTwice_GivesTheSameFiles) {

@@ -11,6 +11,7 @@
 
 #include "runtime/base/arena.h"
 #include "runtime/marker/detector.h"
+#include "tests/tools/folder_test.h"
 #include "tests/tools/refusal.h"
 #include "tools/common/error.h"
 #include "tools/common/files.h"
@@ -26,15 +27,8 @@ constexpr double kPxPerMm = kDpi / 25.4;
 
 /// The PDF as another program (poppler) draws it; by Cairo, whose edges cover pixels by their area. pdftoppm fattens
 /// them.
-class SheetPdf : public testing::Test {
+class SheetPdf : public test::FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("roomcal_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::vector<cv::Mat> render(const SheetPage& page, int first, int count) const {
     write_sheets(page, first, count, folder_ / "s.pdf");
     const std::string command = "pdftocairo -gray -png -r " + std::to_string(kDpi) + " '" +
@@ -49,8 +43,6 @@ class SheetPdf : public testing::Test {
     for (const fs::path& file : files) images.push_back(read_grey(file));
     return images;
   }
-
-  fs::path folder_;
 };
 
 /// As a camera sees the page: no lens is sharper than 0.8 px.
