@@ -160,10 +160,9 @@ Status approach(ImageView image, Arena& scratch, RingPixels& all, FittedRings& f
   ROOMCAL_TRY(thin_ring_pixels(all, kThinnedPixels, scratch, few));
   std::array<float, kThinnedPixels> store;
   const auto magnitudes = std::span<float>(store).first(static_cast<std::size_t>(few.count));
-  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, kNear, fit.model);
-  measure_residuals(fit.model, few, magnitudes);
+  fit_rings(few, {0.5 * fit.model.contrast()}, kTypicalNoise, kNear, magnitudes, fit.model);
   fit.noise_grey = robust_sigma(magnitudes);
-  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, kNearer, fit.model);
+  fit_rings(few, {kOutlierSigmas * fit.noise_grey}, fit.noise_grey, kNearer, {}, fit.model);
   if (fit.noise_grey > kHopelessResidual * fit.model.contrast()) return refuse("far from any picture of rings");
   return ok_status();
 }
@@ -204,7 +203,7 @@ Status fit_pixels(ImageView image, Arena& scratch, FittedRings& fit) {
     fit.noise_grey = robust_sigma(magnitudes);
     add_priors(fit.model, fit.noise_grey, fit.evaluation.equations);
     fit.last_step_px = newton_step(fit.evaluation.equations, fit.model);
-    if (fit.last_step_px < 0.02 * fit.model.blur_px()) break;
+    if (fit.last_step_px < 0.04 * fit.model.blur_px()) break;
   }
   return ok_status();
 }

@@ -222,7 +222,8 @@ ROOMCAL_VECTOR_CLONES void evaluate_block(const RingModel& model, const RingPixe
   for (int i = 0; i < kBlockPixels; ++i) block.row[block.rows][i] = block.residual[i] * root_weight[i];
   block.parameter[static_cast<std::size_t>(block.rows)] = kMaxParameters;
   ++block.rows;
-  for (int row = block.rows; row % 3 != 0; ++row) std::fill_n(block.row[row], kBlockPixels, 0.0F);
+  for (int row = block.rows; row < block.rows + RingBlock::kPadding; ++row)
+    std::fill_n(block.row[row], kBlockPixels, 0.0F);
 }
 
 namespace {
@@ -239,16 +240,35 @@ double total(const Lanes& lanes) {
 
 const Lanes& lanes_at(const float* values) { return *reinterpret_cast<const Lanes*>(values); }
 
-// Products of three rows with three others: nine sums held in registers.
-void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels], double (&product)[3][3]) {
-  Lanes sum[3][3] = {};
+// Two sums side by side: one register where there are 16 floats in one, two where there are 8.
+using LanePair [[gnu::vector_size(2 * kLanes * sizeof(float))]] = float;
+
+// By reference: how a register that the processor may not have is returned is nobody's convention.
+void put_side_by_side(const float* a, const float* b, LanePair& pair) {
+  pair = __builtin_shufflevector(lanes_at(a), lanes_at(b), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
+constexpr int kTileRows = 3, kTileColumns = 4;  // twelve sums held in registers
+
+// Products of three rows with four others.
+void multiply_tile(const float (*a)[kBlockPixels], const float (*b)[kBlockPixels],
+                   double (&product)[kTileRows][kTileColumns]) {
+  LanePair sum[kTileRows][2] = {};
   for (int i = 0; i < kBlockPixels; i += kLanes) {
-    for (int m = 0; m < 3; ++m) {
-      for (int n = 0; n < 3; ++n) sum[m][n] += lanes_at(a[m] + i) * lanes_at(b[n] + i);
+    LanePair left, right[2];
+    for (int n = 0; n < 2; ++n) put_side_by_side(b[2 * n] + i, b[2 * n + 1] + i, right[n]);
+    for (int m = 0; m < kTileRows; ++m) {
+      put_side_by_side(a[m] + i, a[m] + i, left);
+      for (int n = 0; n < 2; ++n) sum[m][n] += left * right[n];
     }
   }
-  for (int m = 0; m < 3; ++m) {
-    for (int n = 0; n < 3; ++n) product[m][n] = total(sum[m][n]);
+  for (int m = 0; m < kTileRows; ++m) {
+    for (int n = 0; n < kTileColumns; ++n) {
+      const LanePair& pair = sum[m][n / 2];
+      const Lanes one = n % 2 == 0 ? __builtin_shufflevector(pair, pair, 0, 1, 2, 3, 4, 5, 6, 7)
+                                   : __builtin_shufflevector(pair, pair, 8, 9, 10, 11, 12, 13, 14, 15);
+      product[m][n] = total(one);
+    }
   }
 }
 
@@ -282,12 +302,12 @@ void sum_influence(const RingBlock& block, NormalEquations& equations) {
 }  // namespace
 
 ROOMCAL_VECTOR_CLONES void accumulate(const RingBlock& block, NormalEquations& equations) {
-  for (int a = 0; a < block.rows; a += 3) {
-    for (int b = a; b < block.rows; b += 3) {
-      double product[3][3];
+  for (int a = 0; a < block.rows; a += kTileRows) {
+    for (int b = a - a % kTileColumns; b < block.rows; b += kTileColumns) {
+      double product[kTileRows][kTileColumns];
       multiply_tile(&block.row[a], &block.row[b], product);
-      for (int m = 0; m < 3 && a + m < block.rows; ++m) {
-        for (int n = 0; n < 3 && b + n < block.rows; ++n) {
+      for (int m = 0; m < kTileRows && a + m < block.rows; ++m) {
+        for (int n = 0; n < kTileColumns && b + n < block.rows; ++n) {
           if (b + n < a + m) continue;
           const auto i = static_cast<std::size_t>(block.parameter[static_cast<std::size_t>(a + m)]);
           const auto j = static_cast<std::size_t>(block.parameter[static_cast<std::size_t>(b + n)]);

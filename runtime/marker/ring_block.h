@@ -27,7 +27,8 @@ struct ResidualWeighting {
 /// Prediction, residual and Jacobian of up to 64 pixels, weighted by sqrt(w). Rows: see `parameter`.
 struct alignas(64) RingBlock {
   /// Twelve rows for Parameter up to kBlur, one for every inner radius that the block meets, the residual last.
-  static constexpr int kRows = kMaxParameters + 3;  // rounded up to a multiple of three for the product's tiles
+  static constexpr int kPadding = 3;  ///< rows of zeros behind the last: the product's tiles are 3 x 4
+  static constexpr int kRows = kMaxParameters + 1 + kPadding;
   float row[kRows][kBlockPixels];
   std::array<int, kRows> parameter{};  ///< which unknown a row belongs to; the residual's is kMaxParameters
   int rows = 0;

@@ -97,6 +97,15 @@ struct Prior {
   double mean, sigma;
 };
 
+void measure_residuals(const RingModel& model, const RingPixels& pixels, std::span<float> absolute_residual) {
+  RingBlock block;
+  for (int first = 0; first < pixels.count; first += kBlockPixels) {
+    evaluate_block(model, pixels, first, {}, block);
+    const int valid = std::min(kBlockPixels, pixels.count - first);
+    for (int i = 0; i < valid; ++i) absolute_residual[at(first + i)] = std::fabs(block.residual[i]);
+  }
+}
+
 }  // namespace
 
 void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations) {
@@ -134,22 +143,14 @@ void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWe
   }
 }
 
-void measure_residuals(const RingModel& model, const RingPixels& pixels, std::span<float> absolute_residual) {
-  RingBlock block;
-  for (int first = 0; first < pixels.count; first += kBlockPixels) {
-    evaluate_block(model, pixels, first, {}, block);
-    const int valid = std::min(kBlockPixels, pixels.count - first);
-    for (int i = 0; i < valid; ++i) absolute_residual[at(first + i)] = std::fabs(block.residual[i]);
-  }
-}
-
 int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, const FitStop& stop,
-              RingModel& model) {
+              std::span<float> absolute_residual, RingModel& model) {
   RingEvaluation now, next;
-  evaluate(model, pixels, weighting, {}, nullptr, now);
+  evaluate(model, pixels, weighting, absolute_residual, nullptr, now);
   add_priors(model, noise_grey, now.equations);
   double damping = 1e-3;
   int accepted = 0;
+  bool measured = true;  // absolute_residual is that of `model`
   for (int iteration = 0; iteration < stop.max_iterations; ++iteration) {
     Vector step{};
     if (!solve_step(now.equations, model.parameters(), damping, step)) {
@@ -161,9 +162,10 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
       damping *= 10;
       continue;
     }
-    evaluate(trial, pixels, weighting, {}, nullptr, next);
+    evaluate(trial, pixels, weighting, absolute_residual, nullptr, next);
     add_priors(trial, noise_grey, next.equations);
-    if (next.equations.cost > now.equations.cost) {
+    measured = !(next.equations.cost > now.equations.cost);
+    if (!measured) {
       damping *= 10;
       continue;
     }
@@ -174,6 +176,7 @@ int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, doub
     ++accepted;
     if (settled || movement_px(model, step) < stop.step_px) break;
   }
+  if (!measured && !absolute_residual.empty()) measure_residuals(model, pixels, absolute_residual);
   return accepted;
 }
 

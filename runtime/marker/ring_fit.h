@@ -22,9 +22,6 @@ struct RingEvaluation {
 void evaluate(const RingModel& model, const RingPixels& pixels, const ResidualWeighting& weighting,
               std::span<float> absolute_residual, SectorTally* tally, RingEvaluation& evaluation);
 
-/// Magnitudes of the residuals alone, grey levels. @param absolute_residual  count entries.
-void measure_residuals(const RingModel& model, const RingPixels& pixels, std::span<float> absolute_residual);
-
 /// Adds what is known of every marker beforehand, as observations of noise `noise_grey`.
 void add_priors(const RingModel& model, double noise_grey, NormalEquations& equations);
 
@@ -36,9 +33,10 @@ struct FitStop {
 };
 
 /// Levenberg-Marquardt from `model`, which never leaves is_plausible().
+/// @param[out] absolute_residual  of the final model, grey levels: count entries, or empty.
 /// @return iterations that lowered the cost.
 int fit_rings(const RingPixels& pixels, const ResidualWeighting& weighting, double noise_grey, const FitStop& stop,
-              RingModel& model);
+              std::span<float> absolute_residual, RingModel& model);
 
 /// One undamped Gauss-Newton step. @return its length in the centre, px; negative if refused.
 double newton_step(const NormalEquations& equations, RingModel& model);

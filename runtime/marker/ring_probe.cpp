@@ -106,20 +106,28 @@ void sample(ImageView image, const Blob& blob, double from, double range, int st
   polar.visible.fill(0);
   const int first = std::min(static_cast<int>(from / polar.step), polar.steps - 1);
   for (auto& ray : polar.value) std::fill_n(ray.begin(), first, -1.0F);
-  const double x_limit = image.width() - 1.001;
-  const double y_limit = image.height() - 1.001;
+  const float x_limit = static_cast<float>(image.width()) - 1.001F;
+  const float y_limit = static_cast<float>(image.height()) - 1.001F;
+  RayMask whole_rays = 0;  // inside the image at both ends, so inside all along
   for (std::size_t k = 0; k < kRayCount; k += static_cast<std::size_t>(stride)) {
     const Vec2 direction = polar.S * directions().u[k];
     polar.length_px[k] = direction.norm();
-    const Vec2 advance = polar.step * direction;
-    Vec2 p = polar.centre_px + first * advance;
-    for (int i = first; i < polar.steps; ++i, p += advance) {
-      const bool inside = p.x() >= 0 && p.y() >= 0 && p.x() < x_limit && p.y() < y_limit;
+    const float x0 = static_cast<float>(polar.centre_px.x()), y0 = static_cast<float>(polar.centre_px.y());
+    const float dx = static_cast<float>(polar.step * direction.x()),
+                dy = static_cast<float>(polar.step * direction.y());
+    const auto x_at = [x0, dx](int i) { return x0 + static_cast<float>(i) * dx; };
+    const auto y_at = [y0, dy](int i) { return y0 + static_cast<float>(i) * dy; };
+    const auto inside = [&](int i) { return x_at(i) >= 0 && y_at(i) >= 0 && x_at(i) < x_limit && y_at(i) < y_limit; };
+    const bool whole = inside(first) && inside(polar.steps - 1);
+    if (whole) whole_rays |= RayMask{1} << k;
+    for (int i = first; i < polar.steps; ++i) {
       const std::size_t at = static_cast<std::size_t>(i);
-      polar.value[k][at] = inside ? bilinear(image, p.x(), p.y()) : -1.0F;
-      polar.visible[at] |= inside ? RayMask{1} << k : RayMask{0};
+      const bool here = whole || inside(i);
+      polar.value[k][at] = here ? bilinear(image, x_at(i), y_at(i)) : -1.0F;
+      if (!whole && here) polar.visible[at] |= RayMask{1} << k;
     }
   }
+  for (int i = first; i < polar.steps; ++i) polar.visible[static_cast<std::size_t>(i)] |= whole_rays;
 }
 
 /// Change across step i of one ray; 0 at its ends and at the image's border.

@@ -254,15 +254,18 @@ void PoseSearch::challenge_triangle(const Triple& triangle, const map::MarkerTri
         (index.markers()[marker[(i + 1) % 3]].p_room - index.markers()[marker[(i + 2) % 3]].p_room).norm();
   }
   const double longest_m = *std::max_element(edges.length_m.begin(), edges.length_m.end());
+  constexpr double kSameEdge = 0.06;
   const P3pBearings bearings = prepare(matcher_.set(), triangle);
   for (const map::IndexedTriple& entry : index.triples()) {
-    const double scale =
-        sized ? 1.0 : longest_edge_m(entry) / longest_m;  // without sizes, a larger copy looks the same
+    const double entry_longest_m = longest_edge_m(entry);
+    // Most end here: where all edges are alike, so are the longest.
+    if (sized && std::abs(entry_longest_m - longest_m) >= kSameEdge * longest_m) continue;
+    const double scale = sized ? 1.0 : entry_longest_m / longest_m;  // without sizes, a larger copy looks the same
     for (std::size_t r = 0; r < 3; ++r) {
       bool same = true;
       for (std::size_t i = 0; i < 3 && same; ++i) {
         const double expected_m = scale * edges.length_m[i];
-        same = std::abs(static_cast<double>(entry.edge_m[(i + r) % 3]) - expected_m) < 0.06 * expected_m;
+        same = std::abs(static_cast<double>(entry.edge_m[(i + r) % 3]) - expected_m) < kSameEdge * expected_m;
       }
       const map::MarkerTriple other = rotated(entry.marker, r);
       if (!same || other == marker) continue;
