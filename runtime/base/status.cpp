@@ -30,6 +30,8 @@ const char* to_string(StatusCode code) {
       return "unsupported";
     case StatusCode::kUnavailable:
       return "unavailable";
+    case StatusCode::kCancelled:
+      return "cancelled";
   }
   return "unknown";
 }

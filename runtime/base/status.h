@@ -21,6 +21,7 @@ enum class StatusCode : uint8_t {
   kCorrupt,          ///< stored bytes fail their checks
   kUnsupported,      ///< well formed, but of a version or kind that we do not read
   kUnavailable,      ///< the source has nothing now; trying again may help
+  kCancelled,        ///< somebody stopped it; nothing of it counts
 };
 
 /// Printable name of a code, for example "out of range". Never null.

@@ -92,9 +92,11 @@ void take_detections(const Session& session, const DetectedShot& shot, Outcome& 
   preflight_lidars(session, shot.sweeps, outcome);
 }
 
-Status detect(const Session& session, std::span<const ImageView> images, Arenas& arenas, Outcome& outcome) {
+Status detect(const Session& session, std::span<const ImageView> images, Steps& steps, Arenas& arenas,
+              Outcome& outcome) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     CameraOutcome& camera = outcome.cameras[i];
+    ROOMCAL_TRY(steps.begin(Stage::kDetect, camera.name.view()));
     if (!camera.failure.empty()) continue;
     const auto detections = arenas.step.allocate<marker::Detection>(kMaxDetections);
     if (detections.empty()) return out_of_arena("step arena: no room for detections: reserve plan_memory()");
@@ -108,9 +110,11 @@ Status detect(const Session& session, std::span<const ImageView> images, Arenas&
   return ok_status();
 }
 
-Status locate_cameras(const Session& session, Arenas& arenas, Outcome& outcome) {
-  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+Status locate_cameras(const Session& session, Steps& steps, Arenas& arenas, Outcome& outcome) {
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
+    ROOMCAL_TRY(steps.begin(Stage::kLocate, outcome.cameras[i].name.view()));
     if (outcome.cameras[i].failure.empty()) ROOMCAL_TRY(locate_one(session, i, arenas, outcome.cameras[i]));
+  }
   return ok_status();
 }
 

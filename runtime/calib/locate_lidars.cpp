@@ -92,11 +92,14 @@ Status locate_sweeps(const Session& session, std::size_t lidar, const Sweeps& sw
                       arenas.scratch, location);
 }
 
-Status locate_lidars(const Session& session, std::span<const Sweeps> sweeps, Arenas& arenas, Outcome& outcome) {
+Status locate_lidars(const Session& session, std::span<const Sweeps> sweeps, Steps& steps, Arenas& arenas,
+                     Outcome& outcome) {
   const LocatedRig rig = locate_rig(session, outcome);
-  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
+  for (std::size_t i = 0; i < outcome.lidars.size(); ++i) {
+    ROOMCAL_TRY(steps.begin(Stage::kLocateLidars, outcome.lidars[i].name.view()));
     if (outcome.lidars[i].failure.empty())
       ROOMCAL_TRY(locate_one(session, i, sweeps[i], rig, arenas, outcome.lidars[i]));
+  }
   return ok_status();
 }
 

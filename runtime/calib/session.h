@@ -6,6 +6,7 @@
 #include "runtime/base/arena.h"
 #include "runtime/base/span2d.h"
 #include "runtime/base/status.h"
+#include "runtime/calib/observer.h"
 #include "runtime/calib/outcome.h"
 #include "runtime/calib/quality_gate.h"
 #include "runtime/lidar/sweep.h"
@@ -43,10 +44,13 @@ struct Shot {
 ///
 /// @param arenas  step is where the outcome's spans live: rewind it before the next shot.
 /// @param[out] outcome  always complete: a shot that cannot be calibrated is a verdict with reasons, not an error.
+/// @param observer  hears of every step before it is taken and may stop the session there; null: nobody.
 /// @return kInvalidArgument if shot and device differ in number, or LiDARs come without a surface; kOutOfMemory if the
 ///         arenas are smaller than plan_memory(): programming errors of the board, not of the room. The outcome is then
-///         FAIL_SERVICE.
-Status calibrate(const Session& session, const Shot& shot, const ports::Clock& clock, Arenas& arenas, Outcome& outcome);
+///         FAIL_SERVICE. kCancelled if the observer stopped it: FAIL_RETRY with that as its only reason, and no sensor
+///         in the rig.
+Status calibrate(const Session& session, const Shot& shot, const ports::Clock& clock, Arenas& arenas, Outcome& outcome,
+                 Observer* observer = nullptr);
 
 /// A shot whose rings were detected elsewhere: recorded, or simulated at the level of observations.
 struct DetectedShot {
@@ -54,6 +58,6 @@ struct DetectedShot {
   std::span<const Sweeps> sweeps;
 };
 Status calibrate(const Session& session, const DetectedShot& shot, const ports::Clock& clock, Arenas& arenas,
-                 Outcome& outcome);
+                 Outcome& outcome, Observer* observer = nullptr);
 
 }  // namespace roomcal::calib

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/calib/to_record.h"
 #include "tests/budget/heap_guard.h"
 #include "tools/evaluate/trust_trial.h"
 #include "tools/simulate/random_stream.h"
@@ -69,6 +70,40 @@ TEST_F(LidarShot, ComputingIt_CallsNoHeap) {
   }
   ASSERT_TRUE(status.ok());
   EXPECT_EQ(calls, 0U);
+}
+
+class StopAt final : public calib::Observer {
+ public:
+  explicit StopAt(std::size_t step) : step_(step) {}
+  bool on_step(const calib::Progress& progress) override {
+    total_ = progress.total;
+    return progress.done != step_;
+  }
+  std::size_t total() const { return total_; }
+
+ private:
+  std::size_t step_;
+  std::size_t total_ = 0;
+};
+
+TEST_F(LidarShot, StoppedBeforeAnyStep_WritesNothingAndTheNextShotIsAsEver) {
+  TrustShot shot = take();
+  const Mat44 T_rig_lidar = session_->run(shot, nullptr).lidars[1].T_rig_lidar.matrix();
+  constexpr std::size_t kSteps = 4 + 2 + 2;  // cameras and LiDARs located, refined, judged
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    StopAt observer(step);
+    const TrustShotView view(shot);
+    EXPECT_EQ(session_->calibrate(view.shot(), nullptr, &observer).code(), StatusCode::kCancelled);
+    EXPECT_EQ(observer.total(), kSteps);
+    EXPECT_FALSE(calib::may_write(session_->outcome().verdict));
+    for (const calib::LocatedSensor& sensor : calib::located_sensors(session_->outcome())) EXPECT_FALSE(sensor.in_rig);
+    store::Record record;
+    EXPECT_FALSE(calib::to_record(session_->outcome(), device_->device, {}, record).ok());
+  }
+  StopAt never(kSteps);
+  const TrustShotView view(shot);
+  ASSERT_TRUE(session_->calibrate(view.shot(), nullptr, &never).ok());
+  EXPECT_EQ(session_->outcome().lidars[1].T_rig_lidar.matrix(), T_rig_lidar);
 }
 
 TEST_F(LidarShot, LidarWithoutSweeps_IsRefusedByNameAndTheOtherIsLocated) {

@@ -76,7 +76,8 @@ class TrustSession {
 
   const calib::Outcome& run(TrustShot& shot, const store::Record* installed);
   /// calibrate() and nothing else: no heap call.
-  Status calibrate(const calib::DetectedShot& shot, const store::Record* installed);
+  Status calibrate(const calib::DetectedShot& shot, const store::Record* installed,
+                   calib::Observer* observer = nullptr);
   const calib::Outcome& outcome() const { return *outcome_; }
   const map::RoomMap& map() const { return map_.map; }
 

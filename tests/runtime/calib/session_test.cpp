@@ -54,5 +54,51 @@ TEST(Session, NoImageAtAll_FailsWithOneReasonACamera) {
   for (const CameraOutcome& camera : outcome->cameras) EXPECT_FALSE(camera.located || camera.in_rig);
 }
 
+/// Lets a number of steps pass and stops the next; keeps what it was told.
+class StoppingObserver final : public Observer {
+ public:
+  explicit StoppingObserver(std::size_t steps) : allowed_(steps) {}
+  bool on_step(const Progress& progress) override {
+    told_.push_back(std::string(to_string(progress.stage)) + "/" + std::string(progress.sensor));
+    EXPECT_EQ(progress.done, told_.size() - 1);
+    EXPECT_EQ(progress.total, 6U);
+    return told_.size() <= allowed_;
+  }
+  const std::vector<std::string>& told() const { return told_; }
+
+ private:
+  std::size_t allowed_;
+  std::vector<std::string> told_;
+};
+
+TEST(Session, Observed_TellsEveryStepOnceAndStopsBeforeAnyOfThem) {
+  const auto device = std::make_unique<Device>();
+  for (const char* name : {"cam0", "cam1"}) {
+    CameraSpec spec;
+    spec.name = name;
+    ASSERT_TRUE(device->cameras.push_back(spec));
+  }
+  const map::RoomMap map;
+  const map::TriangleIndex index;
+  std::vector<std::byte> block(1 << 16);
+  const std::vector<ImageView> images(2);
+  const auto outcome = std::make_unique<Outcome>();
+  const std::vector<std::string> all = {"detect/cam0", "detect/cam1", "locate/cam0",
+                                        "locate/cam1", "refine/",     "judge/"};
+  for (std::size_t steps = 0; steps <= all.size(); ++steps) {
+    Arenas arenas = std::move(Arenas::carve(block, 0, 1 << 12)).value();
+    StoppingObserver observer(steps);
+    const Status status =
+        calibrate({*device, map, index, {}}, Shot{images, {}}, CountingClock(), arenas, *outcome, &observer);
+    const bool stopped = steps < all.size();
+    EXPECT_EQ(status.code(), stopped ? StatusCode::kCancelled : StatusCode::kOk);
+    EXPECT_EQ(
+        observer.told(),
+        std::vector<std::string>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(stopped ? steps + 1 : steps)));
+    EXPECT_EQ(outcome->verdict, Verdict::kFailRetry);
+    EXPECT_EQ(outcome->reasons.size(), stopped ? 1U : 2U);
+  }
+}
+
 }  // namespace
 }  // namespace roomcal::calib
