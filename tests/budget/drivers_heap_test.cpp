@@ -1,15 +1,18 @@
 // What runs on the device's threads after arming makes no heap call: the system's side of it.
 
 #include <array>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "drivers/lidar_udp/udp_packet_source.h"
 #include "drivers/os/linux_clocks.h"
 #include "drivers/os/page_faults.h"
 #include "drivers/os/thread.h"
 #include "drivers/os/wait.h"
 #include "tests/budget/heap_guard.h"
+#include "tests/drivers/lidar_udp/udp_sender.h"
 
 namespace roomcal::drivers {
 namespace {
@@ -57,6 +60,37 @@ TEST_F(DriversHeap, ThreadAfterItsStart_NoCallNoPageFromDisk) {
   EXPECT_EQ(loop.faults.major, 0U);
   ::close(ends[0]);
   ::close(ends[1]);
+}
+
+TEST_F(DriversHeap, UdpPacketsThroughLossAndRestart_NoCall) {
+  struct Count final : ports::PacketVisitor {
+    void take(const ports::Packet& packet) override { bytes += packet.payload.size(); }
+    std::size_t bytes = 0;
+  } count;
+  UdpOptions options;
+  options.port = test::free_port();
+  std::vector<std::byte> memory(UdpPacketSource::memory_bytes(options));
+  UdpPacketSource source(options, memory);
+  test::UdpSender lidar("127.0.0.1", "127.0.0.1", options.port);
+  const std::vector<std::byte> packet(1206);
+  uint64_t drops = 0;
+  std::size_t calls = 0;
+  bool ok = true;
+  {
+    const budget::HeapGuard guard;
+    for (int i = 0; i < 3; ++i) {
+      ok = ok && source.start().ok();
+      for (int k = 0; k < 20; ++k) ok = ok && lidar.send(packet);
+      source.drain(count);
+      drops += source.counters().kernel_drops;
+      source.stop();
+    }
+    calls = guard.calls();
+  }
+  EXPECT_TRUE(ok);
+  EXPECT_GT(drops, 0U);
+  EXPECT_EQ(count.bytes, 1206 * (60 - drops));
+  EXPECT_EQ(calls, 0U);
 }
 
 }  // namespace
