@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "runtime/base/reason.h"
 #include "runtime/calib/outcome.h"
 #include "runtime/calib/quality_gate.h"
-#include "runtime/calib/reason.h"
 
 namespace roomcal::calib {
 

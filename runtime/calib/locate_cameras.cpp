@@ -1,9 +1,9 @@
 #include <algorithm>
 
+#include "runtime/base/reason.h"
 #include "runtime/calib/locate_sensors.h"
 #include "runtime/calib/misfit.h"
 #include "runtime/calib/preflight.h"
-#include "runtime/calib/reason.h"
 
 namespace roomcal::calib {
 

@@ -1,8 +1,8 @@
 #include <Eigen/Cholesky>
 
+#include "runtime/base/reason.h"
 #include "runtime/calib/locate_sensors.h"
 #include "runtime/calib/preflight.h"
-#include "runtime/calib/reason.h"
 
 namespace roomcal::calib {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/calib/reason.h"
+#include "runtime/base/reason.h"
 
 namespace roomcal::calib {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "runtime/calib/reason.h"
+#include "runtime/base/reason.h"
 
 namespace roomcal::calib {
 

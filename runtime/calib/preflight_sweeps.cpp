@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include "runtime/base/reason.h"
 #include "runtime/calib/preflight.h"
-#include "runtime/calib/reason.h"
 
 namespace roomcal::calib {
 

@@ -4,9 +4,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "runtime/base/reason.h"
 #include "runtime/calib/held_out.h"
 #include "runtime/calib/locate_sensors.h"
-#include "runtime/calib/reason.h"
 
 namespace roomcal::calib {
 

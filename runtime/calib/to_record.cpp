@@ -1,6 +1,6 @@
 #include "runtime/calib/to_record.h"
 
-#include "runtime/calib/reason.h"
+#include "runtime/base/reason.h"
 
 namespace roomcal::calib {
 

@@ -1,9 +1,9 @@
-#include "runtime/calib/reason.h"
+#include "runtime/base/reason.h"
 
 #include <cstdarg>
 #include <cstdio>
 
-namespace roomcal::calib {
+namespace roomcal {
 
 Reason make_reason(const char* format, ...) {
   char text[256];
@@ -19,4 +19,4 @@ Reason sensor_reason(const SensorName& name, const Status& status) {
   return make_reason("%.*s: %s: %s", who.length, who.text, to_string(status.code()), status.detail());
 }
 
-}  // namespace roomcal::calib
+}  // namespace roomcal
