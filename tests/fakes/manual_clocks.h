@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 
 #include "runtime/ports/system_clocks.h"
 
@@ -19,7 +20,11 @@ class ManualClocks final : public ports::SystemClocks {
   void sleep_until(int64_t deadline_ns) const override {
     ++sleeps_;
     now_ns_ = std::max(now_ns_, deadline_ns);
+    if (on_sleep) on_sleep(now_ns_);
   }
+
+  /// What the world does while somebody sleeps.
+  std::function<void(int64_t now_ns)> on_sleep;
 
   void advance(int64_t by_ns) { now_ns_ += by_ns; }
   /// Somebody sets the realtime clock.

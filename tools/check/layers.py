@@ -21,6 +21,7 @@ RUNTIME = {
     "console": {"base", "ports"},
     "marker": {"base", "math"},
     "lidar": {"base", "math"},
+    "grab": {"base", "math", "ports", "lidar"},
     "scan": {"base", "math", "map", "lidar"},
     "pose": {"base", "math", "camera", "map"},
     "rig": {"base", "math", "camera", "map"},
