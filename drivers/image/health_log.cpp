@@ -1,7 +1,10 @@
 #include "drivers/image/health_log.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <span>
 
+#include "runtime/base/crc32c.h"
 #include "runtime/base/text_writer.h"
 
 namespace roomcal::drivers {
@@ -17,6 +20,7 @@ using Line = std::array<char, 200>;
 void HealthLog::start() {
   health_ = {};
   rows_ = {};
+  notes_.clear();
   told_ = 0;
   gave_up_ = false;
 }
@@ -30,7 +34,7 @@ void HealthLog::image(uint32_t lost, int64_t now_ns) {
 void HealthLog::tell_what_is_over(int64_t now_ns) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];
-    if (!row.told || now_ns - row.last_ns < kQuietNs) continue;
+    if (!row.told || now_ns - row.last_ns < kQuietNs || health_.images - row.last_images < kQuietImages) continue;
     Line line;
     TextWriter out(line);
     out.text("over: ")
@@ -53,6 +57,7 @@ void HealthLog::fault(ImageFault fault, int64_t now_ns, int error_number) {
   Row& row = rows_[i];
   ++row.count;
   row.last_ns = now_ns;
+  row.last_images = health_.images;
   if (row.told) return;
   row.told = true;
   ++told_;
@@ -77,6 +82,13 @@ void HealthLog::step(RecoveryStep step) {
       .unsigned_integer(health_.reopens);
   out.text(" reopens: ").text(to_string(health_.last_fault)).text("; ").text(remedy(health_.last_fault));
   log_.note(who(), out.view());
+}
+
+void HealthLog::note_once(std::string_view what) {
+  const uint32_t sum = crc32c(std::as_bytes(std::span(what)));
+  if (std::find(notes_.begin(), notes_.end(), sum) != notes_.end()) return;
+  if (!notes_.push_back(sum)) return;
+  note(what);
 }
 
 }  // namespace roomcal::drivers

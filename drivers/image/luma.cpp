@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace roomcal::drivers {
 
@@ -103,20 +104,52 @@ TakeRow taker_of(PixelFormat format) {
 // -1 becomes 1 and n becomes n - 2, which are of the same colour.
 int mirrored(int i, int n) { return i < 0 ? 1 : i < n ? i : n - 2; }
 
-void bayer_row(const uint8_t* above, const uint8_t* own, const uint8_t* below, uint8_t* out, int width) {
-  const auto column = [=](int x) { return above[x] + 2 * own[x] + below[x]; };
-  const auto pixel = [=](int before, int x, int after) {
-    return static_cast<uint8_t>((column(before) + 2 * column(x) + column(after) + 8) >> 4);
-  };
-  out[0] = pixel(1, 0, 1);
-  for (int x = 1; x + 1 < width; ++x) out[x] = pixel(x - 1, x, x + 1);
-  out[width - 1] = pixel(width - 2, width - 1, width - 2);
-}
+// A strip of three rows with a column more on each side. Camera buffers may be memory without a cache, where a second
+// look at a byte costs as much as the first: every byte is fetched once (but for the columns between strips).
+class BayerStrip {
+ public:
+  static constexpr int kColumns = 1024;
+
+  BayerStrip(const Rows& rows, int first, MutableImageView out)
+      : rows_(rows), first_(first), columns_(std::min(kColumns, out.width() - first)), out_(out) {}
+
+  void convert() {
+    const int height = out_.height();
+    fetch(mirrored(-1, height), lines_[0]);
+    fetch(0, lines_[1]);
+    for (int y = 0; y < height; ++y) {
+      fetch(mirrored(y + 1, height), lines_[(y + 2) % 3]);
+      blend(lines_[y % 3], lines_[(y + 1) % 3], lines_[(y + 2) % 3], out_.row(y) + first_);
+    }
+  }
+
+ private:
+  using Line = std::array<uint8_t, kColumns + 2>;
+
+  void fetch(int y, Line& line) const {
+    const uint8_t* row = rows_[y];
+    line[0] = row[mirrored(first_ - 1, out_.width())];
+    std::memcpy(line.data() + 1, row + first_, static_cast<std::size_t>(columns_));
+    line[static_cast<std::size_t>(columns_) + 1] = row[mirrored(first_ + columns_, out_.width())];
+  }
+
+  void blend(const Line& above, const Line& own, const Line& below, uint8_t* out) const {
+    const auto column = [&](int x) {
+      const auto i = static_cast<std::size_t>(x);
+      return above[i] + 2 * own[i] + below[i];
+    };
+    for (int x = 0; x < columns_; ++x)
+      out[x] = static_cast<uint8_t>((column(x) + 2 * column(x + 1) + column(x + 2) + 8) >> 4);
+  }
+
+  const Rows& rows_;
+  const int first_, columns_;
+  const MutableImageView out_;
+  std::array<Line, 3> lines_;
+};
 
 void bayer_to_luma(const Rows& rows, MutableImageView out) {
-  const int height = out.height();
-  for (int y = 0; y < height; ++y)
-    bayer_row(rows[mirrored(y - 1, height)], rows[y], rows[mirrored(y + 1, height)], out.row(y), out.width());
+  for (int first = 0; first < out.width(); first += BayerStrip::kColumns) BayerStrip(rows, first, out).convert();
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ Kind kind_of(ImageFault fault) {
     case ImageFault::kGone:
     case ImageFault::kNotFound:
     case ImageFault::kBusy:
+    case ImageFault::kDenied:
       return Kind::kAbsent;
     case ImageFault::kFormat:
       return Kind::kHopeless;
@@ -49,6 +50,8 @@ Kind kind_of(ImageFault fault) {
 }
 
 }  // namespace
+
+bool is_absence(ImageFault fault) { return kind_of(fault) == Kind::kAbsent; }
 
 const char* to_string(RecoveryStep step) {
   constexpr std::array<const char*, 6> kNames = {"watch",      "restart stream", "reopen",
@@ -100,8 +103,8 @@ void Recovery::fault(ImageFault fault, int64_t now_ns) {
     case Kind::kDevice:
       return device_failed(now_ns);
     case Kind::kAbsent:
-      // Somebody who holds the camera does not cut its power: its past is not forgiven.
-      absent_ = absent_ || fault != ImageFault::kBusy;
+      // Only a camera that was unplugged lost its power: the past of others is not forgiven.
+      absent_ = absent_ || fault == ImageFault::kGone || fault == ImageFault::kNotFound;
       return camera_absent(now_ns);
     case Kind::kHopeless:
       state_ = State::kGivenUp;

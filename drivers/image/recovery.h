@@ -7,6 +7,9 @@
 
 namespace roomcal::drivers {
 
+/// Whether a fault means that the camera cannot be had at all now: it is looked for until it can.
+bool is_absence(ports::ImageFault fault);
+
 /// What a camera's driver is to do now.
 enum class RecoveryStep : uint8_t {
   kWatch,          ///< wait for an image until `until_ns`; if none came by then, that is a stall
@@ -46,8 +49,8 @@ struct RecoveryOptions {
 /// | marked damaged, short, undecodable, transient | image | at the third in a row as `stream` |
 /// | stall, end of stream, unknown buffer | stream | restart; no budget left: as `device` |
 /// | stale, no buffers, no bandwidth | device | reopen, again after 1 s; no budget left: reset the port; give up |
-/// | gone, not found, busy | absent | close, reopen after 1 s, 2 s, 4 s ... 30 s, for ever, budget untouched |
-/// | wrong format | hopeless | give up |
+/// | gone, not found, busy, not permitted | absent | close, reopen after 1 s, 2 s, 4 s ... 30 s, for ever, budget
+/// untouched | | wrong format | hopeless | give up |
 ///
 /// | state | event | next |
 /// |---|---|---|

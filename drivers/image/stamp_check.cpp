@@ -32,8 +32,11 @@ ImageFault StampCheck::judge(const Stamp& stamp, const Stamp& now) {
   const bool ordered = std::exchange(known_, true) && comparable(stamp, last_);
   const Stamp before = std::exchange(last_, stamp);
   if (ordered && stamp.ns == before.ns) return ImageFault::kStampFrozen;
-  if (ordered && stamp.ns < before.ns) return ImageFault::kStampBackwards;
-  return comparable(stamp, now) ? against_the_host(saturating_difference(stamp.ns, now.ns)) : ImageFault::kCount;
+  if (comparable(stamp, now)) {
+    const ImageFault fault = against_the_host(saturating_difference(stamp.ns, now.ns));
+    if (fault != ImageFault::kCount) return fault;
+  }
+  return ordered && stamp.ns < before.ns ? ImageFault::kStampBackwards : ImageFault::kCount;
 }
 
 SequenceCount::Step SequenceCount::next(uint32_t number) {
@@ -42,12 +45,12 @@ SequenceCount::Step SequenceCount::next(uint32_t number) {
   last_ = number;
   if (first) {
     sequence_ = 0;
-    return {0, 0, true};
+    return {.first_after_gap = true};
   }
   constexpr uint32_t kHalf = uint32_t{1} << 31;
   const bool counted = ahead != 0 && ahead < kHalf;
   sequence_ += counted ? ahead : 1;
-  return {sequence_, counted ? ahead - 1 : 0, ahead >= kHalf};
+  return {sequence_, counted ? ahead - 1 : 0, ahead == 0, ahead >= kHalf};
 }
 
 }  // namespace roomcal::drivers

@@ -24,7 +24,7 @@ class StampCheck {
   /// @param stamp  of an image that has just come. @param now  of the host; only compared if of the same clock: of a
   ///               camera's own clock (kDevice) only the order is checked.
   /// @return kCount if it can be believed, else the first that holds of: kStampUnknown, kStampFrozen,
-  ///         kStampBackwards, kStampTai, kStampFuture, kStampOld. The next one is compared with it all the same, so a
+  ///         kStampTai, kStampFuture, kStampOld, kStampBackwards. The next one is compared with it all the same, so a
   ///         single wrong stamp in the future costs its successor too, and no more.
   ports::ImageFault judge(const Stamp& stamp, const Stamp& now);
 
@@ -39,6 +39,7 @@ class SequenceCount {
   struct Step {
     uint32_t sequence = 0;         ///< 0 for the first image after restart(); wraps at 2^32
     uint32_t lost_before = 0;      ///< exact, up to 2^31 - 1 in a row
+    bool repeated = false;         ///< the same number as before
     bool first_after_gap = false;  ///< the numbers do not continue: first after restart(), or counted backwards
   };
 

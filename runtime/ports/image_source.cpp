@@ -13,6 +13,8 @@ struct FaultText {
 constexpr std::array<FaultText, kImageFaults> kFaults = {{
     {ImageFault::kNotFound, "not found", "check plug, power and the key in the profile"},
     {ImageFault::kBusy, "busy", "stop the other program that uses it"},
+    {ImageFault::kDenied, "not permitted",
+     "let the service's user into the group of the camera's device (video, plugdev)"},
     {ImageFault::kFormat, "wrong format", "choose a size and format that it offers"},
     {ImageFault::kNoMemory, "no buffers", "raise cma= or usbcore.usbfs_memory_mb on the kernel's command line"},
     {ImageFault::kNoBandwidth, "no bandwidth", "move it to another bus, or lower size or rate"},

@@ -25,6 +25,7 @@ struct ImageFacts {
 enum class ImageFault : uint8_t {
   kNotFound,        ///< no camera of this key
   kBusy,            ///< somebody else has it
+  kDenied,          ///< the system does not let us use it
   kFormat,          ///< it does not deliver the size or format that the profile wants
   kNoMemory,        ///< the system has no buffers left for it
   kNoBandwidth,     ///< the bus cannot carry another stream

@@ -39,7 +39,7 @@ TEST(HealthLog, QuietSpell_IsToldWithTheCountAndTheNextFaultAgain) {
   log.fault(ImageFault::kGone, 0, 19);
   log.fault(ImageFault::kStall, kS);
   log.fault(ImageFault::kStall, 2 * kS);
-  log.image(0, 11 * kS);  // quiet since the one, not yet since the other
+  for (uint64_t i = 0; i < HealthLog::kQuietImages; ++i) log.image(0, 11 * kS);  // quiet of one, not yet of the other
   ASSERT_EQ(lines.lines.size(), 3U);
   EXPECT_EQ(lines.lines[0], "cam0: unplugged; plug it in again (errno 19)");
   EXPECT_EQ(lines.lines[2], "cam0: over: unplugged, 1 times");
@@ -48,6 +48,17 @@ TEST(HealthLog, QuietSpell_IsToldWithTheCountAndTheNextFaultAgain) {
   EXPECT_EQ(lines.lines[3], "cam0: over: no images, 2 times");
   log.fault(ImageFault::kStall, 13 * kS);
   EXPECT_EQ(lines.lines.size(), 5U);
+}
+
+TEST(HealthLog, FewImagesInALongTime_AreNoHealth) {
+  Lines lines;
+  HealthLog log("cam0", lines);
+  log.start();
+  for (int i = 0; i < 10; ++i) {
+    log.fault(ImageFault::kGone, i * 60 * kS);
+    for (uint64_t n = 0; n + 1 < HealthLog::kQuietImages; ++n) log.image(0, i * 60 * kS + 30 * kS);
+  }
+  EXPECT_EQ(lines.lines.size(), 1U);
 }
 
 TEST(HealthLog, NoImages_AreNoHealth) {
@@ -95,6 +106,20 @@ TEST(HealthLog, StepsAndImages_AreCountedAndGivingUpIsToldOnce) {
   log.start();
   EXPECT_EQ(log.health().images, 0U);
   EXPECT_EQ(log.health().last_fault, ImageFault::kCount);
+}
+
+TEST(HealthLog, NoteOnce_IsWrittenOnceSinceTheStart) {
+  Lines lines;
+  HealthLog log("cam0", lines);
+  log.start();
+  for (const char* what : {"gain", "rate", "gain", "rate"}) log.note_once(what);
+  EXPECT_EQ(lines.lines, (std::vector<std::string>{"cam0: gain", "cam0: rate"}));
+  for (int i = 0; i < 1000; ++i) log.note_once(std::to_string(i));
+  EXPECT_EQ(lines.lines.size(), 16U);
+  log.start();
+  log.note_once("gain");
+  log.note("gain");
+  EXPECT_EQ(lines.lines.size(), 18U);
 }
 
 }  // namespace

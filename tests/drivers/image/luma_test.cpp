@@ -138,6 +138,33 @@ std::vector<std::byte> mosaic(const std::vector<double>& clean, int width, int p
   return bytes;
 }
 
+// The formula of the header, pixel by pixel.
+uint8_t blended(const std::vector<std::byte>& raw, int width, int height, int x, int y) {
+  const auto mirrored = [](int i, int n) { return i < 0 ? -i : i < n ? i : 2 * n - 2 - i; };
+  int sum = 0;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      const int at = mirrored(y + j, height) * width + mirrored(x + i, width);
+      sum += std::to_integer<int>(raw[static_cast<std::size_t>(at)]) * (2 - i * i) * (2 - j * j);
+    }
+  return static_cast<uint8_t>((sum + 8) / 16);
+}
+
+TEST(Luma, BayerOfAnySize_IsTheFormulaOfTheHeader) {
+  std::mt19937 random(3);
+  for (const int width : {2, 3, 1023, 1024, 1025, 1026, 2049}) {
+    for (const int height : {2, 3, 5}) {
+      std::vector<std::byte> raw(static_cast<std::size_t>(width * height));
+      for (std::byte& pixel : raw) pixel = static_cast<std::byte>(random() % 256);
+      std::vector<uint8_t> out(raw.size()), expected(raw.size());
+      ASSERT_TRUE(to_luma({PixelFormat::kBayer8, width, height, 0, raw}, {out.data(), width, height}).ok());
+      for (int i = 0; i < width * height; ++i)
+        expected[static_cast<std::size_t>(i)] = blended(raw, width, height, i % width, i / width);
+      EXPECT_EQ(out, expected) << width << "x" << height;
+    }
+  }
+}
+
 TEST(Luma, BayerOfUniformColour_IsUniformToTheBorderAtEveryPhase) {
   const std::vector<double> clean(9 * 7, 200);
   for (int phase = 0; phase < 4; ++phase) {

@@ -248,7 +248,8 @@ TEST(Recovery, RandomTroubleWithoutAbsence_EndsWithinItsBudget) {
     Ladder ladder({.may_reset_port = true});
     int restarts = 0, reopens = 0, resets = 0;
     const auto absent = [](ImageFault f) {
-      return f == ImageFault::kGone || f == ImageFault::kNotFound || f == ImageFault::kBusy || f == ImageFault::kFormat;
+      return f == ImageFault::kGone || f == ImageFault::kNotFound || f == ImageFault::kBusy ||
+             f == ImageFault::kDenied || f == ImageFault::kFormat;
     };
     for (int i = 0; i < 1000 && ladder.recovery.state() != SourceState::kFaulted; ++i) {
       const auto fault = static_cast<ImageFault>(random() % ports::kImageFaults);

@@ -129,6 +129,7 @@ TEST(SequenceCount, DriverThatDoesNotCount_IsCountedFor) {
     EXPECT_EQ(step.sequence, i);
     EXPECT_EQ(step.lost_before, 0U);
     EXPECT_EQ(step.first_after_gap, i == 0);
+    EXPECT_EQ(step.repeated, i > 0);
   }
 }
 
