@@ -28,9 +28,8 @@ bool FakeCanBus::receive(ports::CanMessage& message) {
   return true;
 }
 
-void FakeCanBus::deliver(ports::CanMessage message, int64_t after_ns) {
+void FakeCanBus::deliver(ports::CanMessage message) {
   message.stamp = stamp_now();
-  message.stamp.ns += after_ns;
   message.own = false;
   queue_.push_back(message);
 }
