@@ -28,8 +28,9 @@ bool FakeCanBus::receive(ports::CanMessage& message) {
   return true;
 }
 
-void FakeCanBus::deliver(ports::CanMessage message) {
+void FakeCanBus::deliver(ports::CanMessage message, int64_t after_ns) {
   message.stamp = stamp_now();
+  message.stamp.ns += after_ns;
   message.own = false;
   queue_.push_back(message);
 }

@@ -28,8 +28,8 @@ class FakeCanBus final : public ports::CanBus {
   const ports::CanCounters& counters() const override { return counters_; }
 
   void attach(CanNode& node) { nodes_.push_back(&node); }
-  /// A message of somebody else, stamped now.
-  void deliver(ports::CanMessage message);
+  /// A message of somebody else, stamped now or a little later.
+  void deliver(ports::CanMessage message, int64_t after_ns = 0);
   /// All that was sent and not refused, in order.
   const std::vector<ports::CanMessage>& sent() const { return sent_; }
   void forget_sent() { sent_.clear(); }
