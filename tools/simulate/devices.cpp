@@ -1,5 +1,8 @@
 #include "tools/simulate/devices.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -25,31 +28,35 @@ constexpr auto kFisheye = camera::Model::kKannalaBrandt;
 
 std::vector<PaperDevice> make_devices() {
   std::vector<PaperDevice> devices(4);
-  devices[0] = {"stereo_rig",
-                cameras(2, lens(kRadtan, 1280, 1024, 1745, {-0.11, 0.12, 4e-4, -3e-4})),
-                {{"cam1", "cam0", {0, 0, 0}, {-0.12, 0, 0}}},
-                1.3,
-                -8,
+  devices[0] = {"stereo_rig", cameras(2, lens(kRadtan, 1280, 1024, 1745, {-0.11, 0.12, 4e-4, -3e-4})),
+                {},           {{"cam1", "cam0", {0, 0, 0}, {-0.12, 0, 0}}},
+                1.3,          -8,
                 true};
   devices[1] = {"mobile_robot",
                 cameras(4, lens(kFisheye, 1280, 720, 614, {-0.02, 0.005, -0.002, 4e-4})),
+                {{"lidar0", "vlp16"}},
                 {{"cam1", "cam0", {0, 90, 0}, {0.0565, 0, 0.0565}},
                  {"cam2", "cam0", {0, 180, 0}, {0, 0, -0.1129}},
-                 {"cam3", "cam0", {0, -90, 0}, {-0.0565, 0, -0.0565}}},
+                 {"cam3", "cam0", {0, -90, 0}, {-0.0565, 0, -0.0565}},
+                 {"lidar0", "cam0", {90, -45, 0}, {0, -0.0593, -0.0549}}},
                 0.8,
                 -2,
                 false};
   devices[2] = {"backpack",
                 cameras(4, lens(kFisheye, 2304, 3840, 1430, {-0.011, 0.0037, -0.0015, 2e-4})),
+                {{"lidar0", "vlp16"}, {"lidar1", "vlp16"}},
                 {{"cam1", "cam0", {0, -90, 0}, {-0.0312, 0, -0.0212}},
                  {"cam2", "cam0", {0, -180, 0}, {0, 0, -0.0623}},
-                 {"cam3", "cam0", {0, 90, 0}, {0.0312, 0, -0.0312}}},
+                 {"cam3", "cam0", {0, 90, 0}, {0.0312, 0, -0.0312}},
+                 {"lidar0", "cam0", {0, -15, 90}, {0.6138, 0, -0.0381}},
+                 {"lidar1", "lidar0", {0, -75, -30}, {-0.2255, 0.1302, -0.3492}}},
                 1.7,
                 -2,
                 false};
   devices[3] = {"tls",
                 cameras(2, lens(kRadtan, 4608, 3456, 3360, {-0.08, 0.055, 3e-4, -2e-4})),
-                {{"cam1", "cam0", {28, 0, 0}, {0, 0.028, 0}}},
+                {{"lidar0", "tls"}},
+                {{"cam1", "cam0", {28, 0, 0}, {0, 0.028, 0}}, {"lidar0", "cam0", {-14, 0, 0}, {0, -0.014, 0.02}}},
                 1.45,
                 0,
                 true};
@@ -70,13 +77,30 @@ const std::vector<PaperDevice>& known_devices() {
   return devices;
 }
 
-const PaperDevice& device_named(const std::string& name) {
+std::string device_names() {
   std::vector<std::string> names;
-  for (const PaperDevice& device : known_devices()) {
+  for (const PaperDevice& device : known_devices()) names.push_back(device.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+const PaperDevice& device_named(const std::string& name) {
+  for (const PaperDevice& device : known_devices())
     if (device.name == name) return device;
-    names.push_back(device.name);
+  throw ToolError(fmt::format("--device {}: unknown; take one of {}", name, device_names()));
+}
+
+PaperDevice scaled(PaperDevice device, double scale) {
+  for (DeviceCamera& camera : device.cameras) {
+    camera::Intrinsics& lens = camera.nominal;
+    const double across = lens.width_px, down = lens.height_px;
+    lens.width_px = std::max(1, static_cast<int>(std::lround(scale * across)));
+    lens.height_px = std::max(1, static_cast<int>(std::lround(scale * down)));
+    lens.fx_px *= lens.width_px / across;
+    lens.fy_px *= lens.height_px / down;
+    lens.cx_px = (lens.cx_px + 0.5) * lens.width_px / across - 0.5;  // pixel 0 begins at -0.5
+    lens.cy_px = (lens.cy_px + 0.5) * lens.height_px / down - 0.5;
   }
-  throw ToolError(fmt::format("--device {}: unknown; take one of {}", name, fmt::join(names, ", ")));
+  return device;
 }
 
 }  // namespace roomcal::tools

@@ -8,29 +8,16 @@
 #include "tools/common/error.h"
 #include "tools/simulate/planar.h"
 #include "tools/simulate/random_stream.h"
-#include "tools/simulate/ray.h"
 
 namespace roomcal::tools {
 
 namespace {
 
 constexpr int64_t kTurn_ns = 100'000'000;
-constexpr double kBlocker_m = 0.5;
 
 Vec3 direction_lidar(double azimuth_rad, double elevation_rad) {
   const double c = std::cos(elevation_rad);
   return {c * std::sin(azimuth_rad), c * std::cos(azimuth_rad), std::sin(elevation_rad)};
-}
-
-/// Range of a beam of some width: a share of its light goes elsewhere.
-double mixed_range(const Scene& scene, const Vec3& origin, const Vec3& direction, double divergence_rad, double range_m,
-                   Random& random) {
-  const Vec3 side = direction.unitOrthogonal();
-  const double turn = random.uniform(0, 2 * kPi);
-  const Vec3 off = std::cos(turn) * side + std::sin(turn) * direction.cross(side);
-  const Hit rim = cast_ray(scene, origin, (direction + 0.5 * divergence_rad * off).normalized());
-  if (rim.plane == nullptr || std::abs(rim.distance - range_m) < 0.05) return range_m;
-  return std::lerp(range_m, rim.distance, random.uniform());
 }
 
 std::vector<Vec3> turned_to(const Vec3& normal, std::vector<Vec3> polygon) {
@@ -60,30 +47,6 @@ lidar::Sweep SimulatedSweep::view() const {
   return sweep;
 }
 
-SweepSimulator::SweepSimulator(const Scene& scene) : scene_(scene) {
-  uint64_t seed = scene.seed;
-  const auto add = [&](const Plane& plane) {
-    planes_.push_back(&plane);
-    skins_.push_back(std::make_unique<PaintedPlane>(plane, seed += 2));
-  };
-  for (const Plane& wall : scene.walls) add(wall);
-  for (const Body& body : scene.bodies) {
-    for (const Plane& face : body.faces) add(face);
-  }
-}
-
-double SweepSimulator::reflectivity(const Plane& plane, const Vec3& origin, const Vec3& direction, double distance_m,
-                                    double divergence_rad) const {
-  const auto skin = static_cast<std::size_t>(std::find(planes_.begin(), planes_.end(), &plane) - planes_.begin());
-  PixelRays rays;  // a "pixel" as wide as the beam
-  rays.direction = direction;
-  const Vec3 side = direction.unitOrthogonal();
-  rays.J_px.col(0) = divergence_rad * side;
-  rays.J_px.col(1) = divergence_rad * direction.cross(side);
-  const Vec2 q = plane.coordinates(origin + distance_m * direction);
-  return 100 * skins_[skin]->at(q, footprint_on(plane, rays, distance_m), 1).albedo;
-}
-
 SimulatedSweep SweepSimulator::sweep(const BeamTable& beams, const SweepFlaws& flaws, const SE3& T_room_lidar,
                                      uint64_t seed) const {
   if (beams.elevation_rad.empty() || beams.columns < 1) throw ToolError("a LiDAR needs beams and columns");
@@ -97,18 +60,10 @@ SimulatedSweep SweepSimulator::sweep(const BeamTable& beams, const SweepFlaws& f
     const bool blocked = azimuth_rad >= flaws.blocked_from_rad && azimuth_rad < flaws.blocked_to_rad;
     for (std::size_t beam = 0; beam < beams.elevation_rad.size(); ++beam) {
       const Vec3 along = direction_lidar(azimuth_rad, beams.elevation_rad[beam]);
-      const Vec3 direction_room = T_room_lidar.R * along;
-      const double noise_m = flaws.sigma_m * random.normal();
-      const double shade = flaws.reflectivity_sigma * random.normal();
-      const Hit hit = cast_ray(scene_, T_room_lidar.t, direction_room);
-      if (hit.plane == nullptr || random.uniform() < flaws.dropout) continue;
-      double range_m = hit.distance;
-      if (flaws.mixed_pixels) {
-        range_m = mixed_range(scene_, T_room_lidar.t, direction_room, beams.divergence_rad, range_m, random);
-      }
-      if (blocked) range_m = kBlocker_m;
-      range_m += noise_m + (flaws.beam_offset_m.empty() ? 0.0 : flaws.beam_offset_m.at(beam));
-      range_m = std::round(range_m / beams.resolution_m) * beams.resolution_m;
+      const double offset_m = flaws.beam_offset_m.empty() ? 0.0 : flaws.beam_offset_m.at(beam);
+      const Echo echo = caster_.echo({T_room_lidar.t, T_room_lidar.R * along, beams.divergence_rad, offset_m, blocked},
+                                     flaws, random);
+      const double range_m = std::round(echo.range_m / beams.resolution_m) * beams.resolution_m;
       if (range_m <= 0) continue;
       lidar::SweepPoint point;
       const Vec3 p_lidar = range_m * along;
@@ -119,9 +74,7 @@ SimulatedSweep SweepSimulator::sweep(const BeamTable& beams, const SweepFlaws& f
       point.azimuth_rad = static_cast<float>(azimuth_rad);
       point.offset_ns = static_cast<int32_t>(kTurn_ns * column / beams.columns);
       point.beam = static_cast<uint16_t>(beam);
-      const double albedo =
-          reflectivity(*hit.plane, T_room_lidar.t, direction_room, hit.distance, beams.divergence_rad);
-      point.reflectivity = static_cast<uint16_t>(std::clamp(std::lround(albedo + shade), 0L, 100L));
+      point.reflectivity = static_cast<uint16_t>(std::lround(echo.reflectivity_percent));
       sweep.points.push_back(point);
     }
   }

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "runtime/lidar/sweep.h"
 #include "runtime/math/se3.h"
-#include "tools/simulate/paint.h"
+#include "tools/simulate/echo.h"
 #include "tools/simulate/scene.h"
 
 namespace roomcal::tools {
@@ -23,13 +22,9 @@ struct BeamTable {
 /// Source: VLP-16 User Manual 63-9243, "Laser ID and elevation"; frame: x right, y at azimuth 0, z up.
 BeamTable vlp16_beams();
 
-/// What a real sensor adds to the truth.
-struct SweepFlaws {
-  double sigma_m = 0.015;             ///< of one range
+/// What a real unit adds to the truth.
+struct SweepFlaws : RangeFlaws {
   std::vector<double> beam_offset_m;  ///< constant of a beam; empty: none
-  double dropout = 0;                 ///< share of firings without a return
-  bool mixed_pixels = false;          ///< a beam whose rim meets another surface returns something between
-  double reflectivity_sigma = 3;      ///< of the reported reflectivity, percent
   /// Azimuths (low, high), rad, from which nothing but something at 0.5 m returns; equal: nothing blocks the view.
   double blocked_from_rad = 0, blocked_to_rad = 0;
 };
@@ -46,19 +41,13 @@ struct SimulatedSweep {
 class SweepSimulator {
  public:
   /// @param scene  must outlive the simulator.
-  explicit SweepSimulator(const Scene& scene);
+  explicit SweepSimulator(const Scene& scene) : caster_(scene) {}
 
-  /// Reflectivity is the albedo under the beam in percent, as a calibrated sensor reports diffuse surfaces.
   /// @throws ToolError for a table without beams or columns.
   SimulatedSweep sweep(const BeamTable& beams, const SweepFlaws& flaws, const SE3& T_room_lidar, uint64_t seed) const;
 
  private:
-  double reflectivity(const Plane& plane, const Vec3& origin, const Vec3& direction, double distance_m,
-                      double divergence_rad) const;
-
-  const Scene& scene_;
-  std::vector<const Plane*> planes_;
-  std::vector<std::unique_ptr<PaintedPlane>> skins_;
+  EchoCaster caster_;
 };
 
 /// Outlines of all surfaces of a room: walls, floor, ceiling and the faces of bodies; counter-clockwise from free

@@ -1,5 +1,7 @@
 #include "tools/simulate/shot_files.h"
 
+#include <array>
+
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -31,6 +33,13 @@ json camera_names(const Stand& stand) {
   return names;
 }
 
+json lidar_list(const Stand& stand) {
+  json list = json::array();
+  for (const TrueLidar& lidar : stand.lidars)
+    list.push_back({{"name", lidar.name}, {"kind", lidar.kind}, {"file", file_of(lidar)}});
+  return list;
+}
+
 json nominal_edge(const MountingEdge& edge) {
   json node = json_of(edge.T_to_from());
   node["to"] = edge.to;
@@ -46,9 +55,10 @@ json nominal_json(const Stand& stand, const ShotOptions& options) {
   return {{"device", stand.device->name},
           {"convention",
            "T maps points of frame 'from' to frame 'to' (X_to = R X_from + t); R = Rz(c) Ry(b) Rx(a) from "
-           "euler_xyz_deg = (a,b,c). Camera: x right, y down, z forward."},
+           "euler_xyz_deg = (a,b,c). Camera: x right, y down, z forward. LiDAR: as its packets, see CONVENTIONS.md; "
+           "a scanner (tls) as a camera."},
           {"cameras", camera_names(stand)},
-          {"lidars", json::array()},
+          {"lidars", lidar_list(stand)},
           {"sigma_rot_deg_per_axis", options.sigma_rot_deg},
           {"sigma_t_m_per_axis", options.sigma_t_m},
           {"edges", edges}};
@@ -85,14 +95,29 @@ json truth_of_picture(const TrueCamera& camera, const Picture& picture, const Sh
           {"markers", markers}};
 }
 
+json truth_of_lidar(const TrueLidar& lidar, const LidarRecording& recording, const LidarOptions& options) {
+  json node = {{"kind", lidar.kind},
+               {"sigma_m", lidar.sigma_m},
+               {"dropout", options.dropout},
+               {"mixed_pixels", options.mixed_pixels},
+               {"returns", recording.returns}};
+  if (lidar.kind == kTlsKind) {
+    node["step_deg"] = rad_to_deg(options.tls_step_rad);
+  } else {
+    node["spins"] = options.sweeps;
+    node["laser_bias_m"] = lidar.beam_offset_m;
+  }
+  return node;
+}
+
 json extrinsics_json(const Stand& stand) {
   json all = json::array();
-  for (const TrueCamera& to : stand.cameras) {
-    for (const TrueCamera& from : stand.cameras) {
-      if (to.name == from.name) continue;
-      json node = json_of(to.T_room_cam.inverse() * from.T_room_cam);
-      node["to"] = to.name;
-      node["from"] = from.name;
+  for (const auto& [to, T_room_to] : sensor_poses(stand)) {
+    for (const auto& [from, T_room_from] : sensor_poses(stand)) {
+      if (to == from) continue;
+      json node = json_of(T_room_to.inverse() * T_room_from);
+      node["to"] = to;
+      node["from"] = from;
       all.push_back(node);
     }
   }
@@ -112,8 +137,7 @@ json perturbation_json(const Stand& stand) {
   return all;
 }
 
-json truth_json(const Scene& scene, const Stand& stand, const std::vector<Picture>& pictures,
-                const ShotOptions& options) {
+json truth_json(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options) {
   json node = {{"format", "twin-truth-1"},
                {"device", stand.device->name},
                {"room", fmt::format("simulated, seed {}", scene.seed)},
@@ -126,11 +150,11 @@ json truth_json(const Scene& scene, const Stand& stand, const std::vector<Pictur
                  {"visible", "fraction of the outer disc inside the image and not hidden by an object"}}},
                {"extrinsics", extrinsics_json(stand)},
                {"perturbation", perturbation_json(stand)}};
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const TrueCamera& camera = stand.cameras[i];
-    node["T_room_sensor"][camera.name] = json_of(camera.T_room_cam);
-    node["cameras"][camera.name] = truth_of_picture(camera, pictures[i], options);
-  }
+  for (const auto& [name, T_room_sensor] : sensor_poses(stand)) node["T_room_sensor"][name] = json_of(T_room_sensor);
+  for (std::size_t i = 0; i < stand.cameras.size(); ++i)
+    node["cameras"][stand.cameras[i].name] = truth_of_picture(stand.cameras[i], facts.pictures[i], options);
+  for (std::size_t i = 0; i < stand.lidars.size(); ++i)
+    node["lidars"][stand.lidars[i].name] = truth_of_lidar(stand.lidars[i], facts.recordings[i], options.lidar);
   return node;
 }
 
@@ -139,22 +163,23 @@ json truth_json(const Scene& scene, const Stand& stand, const std::vector<Pictur
 void write_picture(const Picture& picture, const std::string& camera, const PictureFormat& format,
                    const std::filesystem::path& folder) {
   make_folder(folder);
-  const bool jpeg = format.jpeg_quality > 0;
-  const std::filesystem::path path = folder / (camera + (jpeg ? ".jpg" : ".png"));
-  const std::vector<int> settings =
-      jpeg ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality} : std::vector<int>{};
+  constexpr std::array kExtensions = {".png", ".jpg", ".pgm"};
+  const std::filesystem::path path = folder / (camera + kExtensions.at(static_cast<std::size_t>(format.file)));
+  const std::vector<int> settings = format.file == ImageFile::kJpeg
+                                        ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, format.jpeg_quality}
+                                        : std::vector<int>{};
   if (!cv::imwrite(path.string(), picture.image, settings)) {
     throw ToolError(path.string() + ": cannot be written; check the folder and the space left");
   }
 }
 
-void write_shot_facts(const Scene& scene, const Stand& stand, const std::vector<Picture>& pictures,
-                      const ShotOptions& options, const std::filesystem::path& folder) {
+void write_shot_facts(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options,
+                      const std::filesystem::path& folder) {
   std::string camchain;
   for (const TrueCamera& camera : stand.cameras) camchain += kalibr_camera(camera);
   write_atomic(folder / "camchain.yaml", camchain);
   write_atomic(folder / "nominal.json", nominal_json(stand, options).dump(1) + "\n");
-  write_atomic(folder / "truth.json", truth_json(scene, stand, pictures, options).dump(1) + "\n");
+  write_atomic(folder / "truth.json", truth_json(scene, stand, facts, options).dump(1) + "\n");
 }
 
 }  // namespace roomcal::tools

@@ -3,13 +3,23 @@
 #include <filesystem>
 #include <vector>
 
+#include "tools/simulate/record_lidar.h"
 #include "tools/simulate/shot.h"
 
 namespace roomcal::tools {
 
+enum class ImageFile : uint8_t { kPng, kJpeg, kPgm };
+
 /// How the pictures are stored.
 struct PictureFormat {
-  int jpeg_quality = 0;  ///< 0: PNG
+  ImageFile file = ImageFile::kPng;
+  int jpeg_quality = 95;
+};
+
+/// What there is to say about one shot beside its stand.
+struct ShotFacts {
+  std::vector<Picture> pictures;           ///< of every camera; the images themselves are not looked at
+  std::vector<LidarRecording> recordings;  ///< of every LiDAR; likewise
 };
 
 /// @throws ToolError naming the path.
@@ -18,7 +28,7 @@ void write_picture(const Picture& picture, const std::string& camera, const Pict
 
 /// camchain.yaml (Kalibr, intrinsics only), nominal.json (mounting by the drawing), truth.json (all that is true).
 /// @throws ToolError naming the path.
-void write_shot_facts(const Scene& scene, const Stand& stand, const std::vector<Picture>& pictures,
-                      const ShotOptions& options, const std::filesystem::path& folder);
+void write_shot_facts(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options,
+                      const std::filesystem::path& folder);
 
 }  // namespace roomcal::tools

@@ -4,7 +4,7 @@
 
 namespace roomcal::tools {
 
-/// `roomcal simulate room|shot`: a random room, and pictures of one of the paper's devices in it, with the truth.
+/// `roomcal simulate room|shot`: a random room, and shots of one of the paper's devices in it, with the truth.
 void add_simulate_command(CLI::App& app, int& exit_code);
 
 }  // namespace roomcal::tools

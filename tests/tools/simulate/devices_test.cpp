@@ -8,12 +8,31 @@
 namespace roomcal::tools {
 namespace {
 
-TEST(Devices, EveryCamera_IsMountedAndHasALens) {
+TEST(Devices, EverySensor_IsMountedAndEveryCameraHasALens) {
   ASSERT_EQ(known_devices().size(), 4u);
   for (const PaperDevice& device : known_devices()) {
-    ASSERT_EQ(device.edges.size() + 1, device.cameras.size());
-    for (std::size_t i = 0; i < device.edges.size(); ++i) EXPECT_EQ(device.edges[i].to, device.cameras[i + 1].name);
+    std::vector<std::string> mounted;
+    for (std::size_t i = 1; i < device.cameras.size(); ++i) mounted.push_back(device.cameras[i].name);
+    for (const DeviceLidar& lidar : device.lidars) mounted.push_back(lidar.name);
+    ASSERT_EQ(device.edges.size(), mounted.size());
+    for (std::size_t i = 0; i < device.edges.size(); ++i) EXPECT_EQ(device.edges[i].to, mounted[i]);
     for (const DeviceCamera& camera : device.cameras) EXPECT_TRUE(camera::Camera::create(camera.nominal).ok());
+  }
+}
+
+TEST(Devices, Scaled_SeesTheSameFieldWithFewerPixels) {
+  const PaperDevice& device = device_named("backpack");
+  const PaperDevice small = scaled(device, 0.2);
+  const camera::Intrinsics &full = device.cameras[0].nominal, &fifth = small.cameras[0].nominal;
+  ASSERT_EQ(fifth.width_px, 461);
+  ASSERT_EQ(fifth.height_px, 768);
+  const camera::Camera large = camera::Camera::create(full).value(), little = camera::Camera::create(fifth).value();
+  for (const Vec2& corner : {Vec2(-0.5, -0.5), Vec2(full.width_px - 0.5, 0.3 * full.height_px - 0.5)}) {
+    Vec3 bearing, same;
+    ASSERT_TRUE(large.unproject(corner, bearing).ok());
+    const Vec2 share((corner.x() + 0.5) / full.width_px, (corner.y() + 0.5) / full.height_px);
+    ASSERT_TRUE(little.unproject(Vec2(share.x() * fifth.width_px - 0.5, share.y() * fifth.height_px - 0.5), same).ok());
+    EXPECT_LT((bearing - same).norm(), 1e-12);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tools/simulate/shot.h"
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -18,8 +19,11 @@ TEST(PlaceDevice, Extrinsics_FollowTheRuleOfTheTruthFile) {
   const Scene scene = make_room({.seed = 2});
   const PaperDevice& device = device_named("backpack");
   const Stand stand = place_device(scene, device, {.seed = 11});
+  std::map<std::string, SE3> T_room;
+  for (const auto& [name, T_room_sensor] : sensor_poses(stand)) T_room[name] = T_room_sensor;
+  ASSERT_EQ(device.edges.size(), 5u);
   for (std::size_t i = 0; i < device.edges.size(); ++i) {
-    const SE3 T_to_from = stand.cameras[i + 1].T_room_cam.inverse() * stand.cameras[0].T_room_cam;
+    const SE3 T_to_from = T_room.at(device.edges[i].to).inverse() * T_room.at(device.edges[i].from);
     const SE3 nominal = device.edges[i].T_to_from();
     EXPECT_LT((T_to_from.R - so3_exp(stand.perturbations[i].rotvec_rad) * nominal.R).norm(), 1e-12);
     EXPECT_LT((T_to_from.t - nominal.t - stand.perturbations[i].dt_m).norm(), 1e-12);
@@ -54,29 +58,26 @@ class ShotFiles : public testing::Test {
 
 TEST_F(ShotFiles, SmallDevice_WritesAllAndTruthFits) {
   const Scene scene = make_room({.seed = 2, .markers = 120});
-  PaperDevice device = device_named("mobile_robot");
-  for (DeviceCamera& camera : device.cameras) {  // a quarter of the size is enough to see the files
-    camera.nominal.width_px = 320;
-    camera.nominal.height_px = 180;
-    for (double* value : {&camera.nominal.fx_px, &camera.nominal.fy_px, &camera.nominal.cx_px, &camera.nominal.cy_px}) {
-      *value /= 4;
-    }
-  }
+  const PaperDevice device = scaled(device_named("mobile_robot"), 0.25);  // enough to see the files
   const ShotOptions options{.seed = 3};
   const Stand stand = place_device(scene, device, options);
   const LitScene lit(scene);
-  std::vector<Picture> pictures;
+  ShotFacts facts;
+  std::vector<Picture>& pictures = facts.pictures;
   for (std::size_t i = 0; i < stand.cameras.size(); ++i) {
     pictures.push_back(take_picture(lit, stand.cameras[i], options, i));
     write_picture(pictures.back(), stand.cameras[i].name, {}, folder_);
   }
-  write_shot_facts(scene, stand, pictures, options, folder_);
+  facts.recordings.push_back({"lidar0.pcap", {}, 10, 9});
+  write_shot_facts(scene, stand, facts, options, folder_);
 
   const auto truth = nlohmann::json::parse(read_text(folder_ / "truth.json"));
-  EXPECT_EQ(truth.at("extrinsics").size(), 12u);
+  EXPECT_EQ(truth.at("extrinsics").size(), 20u);
   EXPECT_EQ(truth.at("cameras").size(), 4u);
+  EXPECT_EQ(truth.at("lidars").at("lidar0").at("laser_bias_m").size(), 16u);
   const auto nominal = nlohmann::json::parse(read_text(folder_ / "nominal.json"));
-  EXPECT_EQ(nominal.at("edges").size(), 3u);
+  EXPECT_EQ(nominal.at("edges").size(), 4u);
+  EXPECT_EQ(nominal.at("lidars")[0].at("file"), "lidar0.pcap");
   EXPECT_EQ(nominal.at("edges")[0].at("to"), "cam1");
   EXPECT_NE(read_text(folder_ / "camchain.yaml").find("distortion_model: equidistant"), std::string::npos);
   for (const TrueCamera& camera : stand.cameras) EXPECT_TRUE(std::filesystem::exists(folder_ / (camera.name + ".png")));

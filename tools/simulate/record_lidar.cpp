@@ -1,0 +1,63 @@
+#include "tools/simulate/record_lidar.h"
+
+#include <algorithm>
+
+#include "tools/simulate/lidar_unit.h"
+#include "tools/simulate/random_stream.h"
+#include "tools/simulate/raster.h"
+#include "tools/simulate/tls_scan.h"
+#include "tools/sweep/cloud_files.h"
+
+namespace roomcal::tools {
+
+namespace {
+
+RangeFlaws flaws_of(const TrueLidar& lidar, const LidarOptions& options) {
+  RangeFlaws flaws;
+  flaws.sigma_m = lidar.sigma_m;
+  flaws.dropout = options.dropout;
+  flaws.mixed_pixels = options.mixed_pixels;
+  return flaws;
+}
+
+LidarRecording record_tls(const EchoCaster& caster, const TrueLidar& lidar, const LidarOptions& options,
+                          uint64_t seed) {
+  const LoadedSweep scan = scan_sphere(caster, lidar.T_room_lidar, options.tls_step_rad, flaws_of(lidar, options),
+                                       lidar.beam_offset_m.at(0), seed);
+  return {file_of(lidar), write_pcd({&scan, 1}), scan.points.size(), scan.points.size()};
+}
+
+std::vector<Echo> cast_firings(const EchoCaster& caster, const TrueLidar& lidar, const LidarUnit& unit,
+                               const LidarOptions& options, uint64_t seed) {
+  constexpr std::size_t kChunk = 1024;  // one stream of random numbers each
+  const RangeFlaws flaws = flaws_of(lidar, options);
+  std::vector<Echo> echoes(unit.firings(options.sweeps));
+  parallel_for(static_cast<int>((echoes.size() + kChunk - 1) / kChunk), [&](int chunk) {
+    Random random = random_stream(seed, static_cast<uint64_t>(chunk));
+    const std::size_t begin = static_cast<std::size_t>(chunk) * kChunk;
+    for (std::size_t i = begin; i < std::min(begin + kChunk, echoes.size()); ++i) {
+      const Firing firing = unit.firing(i);
+      Pulse pulse;
+      pulse.origin_room = lidar.T_room_lidar * firing.origin_lidar;
+      pulse.direction_room = lidar.T_room_lidar.R * firing.direction_lidar;
+      pulse.offset_m = lidar.beam_offset_m.at(firing.beam);
+      echoes[i] = caster.echo(pulse, flaws, random);
+    }
+  });
+  return echoes;
+}
+
+}  // namespace
+
+std::string file_of(const TrueLidar& lidar) { return lidar.name + (lidar.kind == kTlsKind ? ".pcd" : ".pcap"); }
+
+LidarRecording record_lidar(const EchoCaster& caster, const TrueLidar& lidar, const LidarOptions& options,
+                            uint64_t seed) {
+  if (lidar.kind == kTlsKind) return record_tls(caster, lidar, options, seed);
+  const std::unique_ptr<LidarUnit> unit = make_lidar_unit(lidar.kind, seed);
+  const std::vector<Echo> echoes = cast_firings(caster, lidar, *unit, options, seed);
+  const auto returns = std::count_if(echoes.begin(), echoes.end(), [](const Echo& e) { return e.range_m > 0; });
+  return {file_of(lidar), unit->pcap(echoes), echoes.size(), static_cast<std::size_t>(returns)};
+}
+
+}  // namespace roomcal::tools

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "runtime/math/types.h"
+
+namespace roomcal::tools {
+
+/// A terrestrial scanner's LiDAR: a cloud instead of packets.
+inline constexpr const char* kTlsKind = "tls";
+
+struct LidarOptions {
+  int sweeps = 10;                        ///< whole turns in a recording
+  std::optional<double> sigma_m = {};     ///< of one range; none: typical of its kind
+  double bias_sigma_m = 0.005;            ///< of what each laser of a unit is off by
+  double dropout = 0;                     ///< share of firings without a return
+  bool mixed_pixels = false;              ///< beams that are cut by an edge return something between
+  double tls_step_rad = deg_to_rad(0.5);  ///< of servo and profiler
+};
+
+struct ShotOptions {
+  uint64_t seed = 1;
+  double blur_px = 0.6;      ///< sigma of the lens' point spread
+  double motion_px = 0;      ///< uniform motion along x during the exposure
+  double noise_sigma = 2;    ///< grey levels at mid grey
+  double exposure = 1;       ///< 1: all but the brightest tenth of the paper is below saturation
+  double sigma_rot_deg = 1;  ///< of the true mounting about the nominal one, per axis
+  double sigma_t_m = 0.008;
+  LidarOptions lidar = {};
+};
+
+}  // namespace roomcal::tools
