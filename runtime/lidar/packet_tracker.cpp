@@ -8,8 +8,10 @@ namespace roomcal::lidar {
 
 namespace {
 
-constexpr int64_t kRestart_ns = 1'000'000'000;  // a clock that jumps farther was set, or belongs to another recording
-constexpr uint32_t kMaxLost = 100'000;          // more at once is a counter that was reset
+// A clock that jumps farther was set, or belongs to another recording. Networks do reorder packets, but by far less
+// than half a turn at 20 Hz: what is older than that was not overtaken, it is a recording that starts over.
+constexpr int64_t kAhead_ns = 1'000'000'000, kBack_ns = 25'000'000;
+constexpr uint32_t kMaxLost = 100'000;  // more at once is a counter that was reset
 
 /// 64-bit fingerprint of a packet's bytes: FNV-1a by words, finished as SplitMix64 does. Never 0.
 uint64_t fingerprint(Bytes bytes) {
@@ -63,7 +65,7 @@ PacketPlace PacketTracker::place(const PacketHeader& header, Bytes bytes) {
   const int64_t after_ns = any_ ? since_last(header) : 0;
   if (!any_) {
     place.order = PacketOrder::kFirst;
-  } else if (after_ns > kRestart_ns || after_ns < -kRestart_ns) {
+  } else if (after_ns > kAhead_ns || after_ns < -kBack_ns) {
     place.order = PacketOrder::kRestart;
   } else {
     place.order = after_ns < 0 ? PacketOrder::kLate : PacketOrder::kNext;

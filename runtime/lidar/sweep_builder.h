@@ -48,7 +48,7 @@ struct SweepCounters {
 /// | any   | the same bytes again                  | drops, flags kSweepDuplicates                      | same |
 /// | open  | azimuths jump, times do not           | appends, flags kSweepBadPackets                    | open |
 /// | any   | damaged or of something else          | refuses with a reason, flags kSweepBadPackets      | same |
-/// | open  | the clock jumped by more than 1 s     | closes (partial), opens (partial)                  | open |
+/// | open  | clock 1 s ahead, or 25 ms back        | closes, opens; partial where away from the cut     | open |
 /// | open  | 2 s without a cut                     | closes (partial), opens (partial)                  | open |
 /// | open  | finish()                              | closes                                             | idle |
 class SweepBuilder {

@@ -148,6 +148,19 @@ TEST(SweepBuilder, ClockThatJumps_StartsAgain) {
   EXPECT_EQ(bench.sweeps[0].flags & kSweepPartial, kSweepPartial);
 }
 
+TEST(SweepBuilder, RecordingOfWholeTurnsThatStartsOver_GivesWholeSweepsOnly) {
+  const Stream stream;
+  Bench bench;
+  constexpr std::size_t kThreeTurns = 3 * kPerTurn + 1;
+  for (int round = 0; round < 3; ++round)
+    for (std::size_t i = 0; i < kThreeTurns; ++i) ASSERT_TRUE(bench.push(stream.packet(i)).ok());
+  bench.finish();
+  EXPECT_EQ(bench.builder.counters().restarts, 2U);
+  EXPECT_EQ(bench.builder.counters().late_dropped + bench.builder.counters().late_used, 0U);
+  ASSERT_EQ(bench.sweeps.size(), 9U);
+  for (const Sweep& sweep : bench.sweeps) EXPECT_EQ(sweep.flags, 0U);
+}
+
 TEST(SweepBuilder, HeadThatStands_EndsSweepsAfterTwoSeconds) {
   const Stream stream;
   Bench bench({.capacity = 2'000'000});
