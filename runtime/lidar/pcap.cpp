@@ -51,7 +51,10 @@ Result<PcapReader> PcapReader::open(Bytes file, IpFragments& fragments) {
   return reader;
 }
 
-void PcapReader::rewind() { at_ = std::min(kFileHead, bytes_.size()); }
+void PcapReader::rewind() {
+  finish();
+  at_ = std::min(kFileHead, bytes_.size());
+}
 
 uint32_t PcapReader::u32(std::size_t at) const { return head_.swapped ? be32(bytes_, at) : le32(bytes_, at); }
 

@@ -48,7 +48,7 @@ class PcapReader {
   /// @return false at the end. `datagram.payload` is valid until the next call.
   bool next(Datagram& datagram);
 
-  /// Back to the first frame; counters go on.
+  /// finish(), and back to the first frame; counters go on.
   void rewind();
 
   const PcapCounters& counters() const { return counters_; }
