@@ -30,6 +30,7 @@ enum SweepFlag : uint32_t {
   kSweepOtherSensor = 1U << 5,  ///< packets name another model or unit than the calibration is of
   kSweepBadPackets = 1U << 6,   ///< packets of this sensor that could not be decoded, or whose checksum is wrong
   kSweepWrongTiming = 1U << 7,  ///< packets do not come at the pace of this model and mode
+  kSweepAngleGap = 1U << 8,     ///< points of a turning profiler were dropped: the table's angle was not known
 };
 
 /// One turn of a LiDAR: a view, the points belong to whoever cut the sweep.
