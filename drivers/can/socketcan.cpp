@@ -11,6 +11,7 @@
 #include <net/if.h>
 
 #include "drivers/can/can_frame.h"
+#include "drivers/os/time_ns.h"
 
 namespace roomcal::drivers {
 
@@ -192,7 +193,7 @@ Stamp SocketCan::read_control(msghdr& header) {
     if (part->cmsg_type == SO_TIMESTAMPNS) {
       timespec time{};
       std::memcpy(&time, CMSG_DATA(part), sizeof(time));
-      stamp = {int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec, ClockId::kRealtime};
+      stamp = {to_ns(time), ClockId::kRealtime};
     } else if (part->cmsg_type == SO_RXQ_OVFL) {
       uint32_t total = 0;
       std::memcpy(&total, CMSG_DATA(part), sizeof(total));
@@ -219,7 +220,6 @@ void SocketCan::ask_drops() {
 }
 
 bool SocketCan::may_send() const {
-  if (socket_ < 0) return false;
   // If the word of the restart was lost and nobody else talks, only a try tells.
   return state_ != ports::CanState::kBusOff || clocks_.now_ns() - bus_off_ns_ >= kTryInBusOff_ns;
 }
@@ -233,11 +233,11 @@ Status SocketCan::refuse(Status why) {
 Status SocketCan::send(const ports::CanMessage& message) {
   const Result<CanFrame> frame = to_frame(message, fd_frames_);
   if (!frame.ok()) return refuse(frame.status());
-  if (!may_send()) {
-    const bool off = state_ == ports::CanState::kBusOff;
-    return refuse({StatusCode::kUnavailable,
-                   off ? "the CAN controller is bus-off; check wiring and bit rate" : "the CAN interface is down"});
-  }
+  // Why the interface is down says more than that it is.
+  if (socket_ < 0)
+    return refuse(trouble_.ok() ? Status{StatusCode::kUnavailable, "start() the CAN bus first"} : trouble_);
+  if (!may_send())
+    return refuse({StatusCode::kUnavailable, "the CAN controller is bus-off; check wiring and bit rate"});
   if (state_ == ports::CanState::kBusOff) bus_off_ns_ = clocks_.now_ns();
   long sent = 0;
   for (int i = 0; i < kSendTries; ++i) {

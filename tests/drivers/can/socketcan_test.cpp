@@ -337,6 +337,14 @@ TEST_F(SocketCanTest, FloodOfErrors_DoesNotHoldTheLoop) {
 TEST_F(SocketCanTest, MissingCan_NamesTheModules) {
   kernel.set_script({CanCall::kOpen, 0, 1, EAFNOSUPPORT});
   EXPECT_NE(std::string(start().detail()).find("load its modules can and can_raw"), std::string::npos);
+  EXPECT_FALSE(bus.send(message_of(0x123)).ok());
+  EXPECT_NE(std::string(bus.trouble().detail()).find("modules"), std::string::npos) << "still the reason";
+}
+
+TEST_F(SocketCanTest, BeforeItsStart_NothingIsSentOrHeard) {
+  EXPECT_EQ(bus.send(message_of(0x123)).code(), StatusCode::kUnavailable);
+  EXPECT_TRUE(drain().empty());
+  EXPECT_EQ(kernel.calls(CanCall::kOpen), 0);
 }
 
 TEST(LinuxCanKernel, HostWithoutTheInterface_IsAnErrorNotACrash) {
