@@ -9,7 +9,15 @@
 
 namespace roomcal::fakes {
 
-/// Something else on the bus: hears what the device sends, answers by FakeCanBus::deliver().
+/// Where something else on the bus puts its messages.
+class CanWire {
+ public:
+  virtual ~CanWire() = default;
+  /// A message of somebody else than the device, on the bus now or a little later.
+  virtual void deliver(ports::CanMessage message, int64_t after_ns = 0) = 0;
+};
+
+/// Something else on the bus: hears what the device sends, answers by its wire.
 class CanNode {
  public:
   virtual ~CanNode() = default;
@@ -18,7 +26,7 @@ class CanNode {
 
 /// A bus with the device at one end and a test at the other. What the device sends is on the bus at once, confirmed,
 /// and heard by all nodes, unless the script says otherwise.
-class FakeCanBus final : public ports::CanBus {
+class FakeCanBus final : public ports::CanBus, public CanWire {
  public:
   explicit FakeCanBus(const ManualClocks& clocks) : clocks_(clocks) {}
 
@@ -28,8 +36,7 @@ class FakeCanBus final : public ports::CanBus {
   const ports::CanCounters& counters() const override { return counters_; }
 
   void attach(CanNode& node) { nodes_.push_back(&node); }
-  /// A message of somebody else, stamped now or a little later.
-  void deliver(ports::CanMessage message, int64_t after_ns = 0);
+  void deliver(ports::CanMessage message, int64_t after_ns = 0) override;
   /// All that was sent and not refused, in order.
   const std::vector<ports::CanMessage>& sent() const { return sent_; }
   void forget_sent() { sent_.clear(); }

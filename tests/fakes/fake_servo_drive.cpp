@@ -20,10 +20,8 @@ uint8_t byte_of(uint32_t value, int at) { return static_cast<uint8_t>(value >> (
 
 }  // namespace
 
-FakeServoDrive::FakeServoDrive(FakeCanBus& bus, const ManualClocks& clocks, uint8_t node)
-    : bus_(bus), clocks_(clocks), node_(node), last_ns_(clocks.now_ns()), boots_at_ns_(last_ns_ + kBoot_ns) {
-  bus.attach(*this);
-}
+FakeServoDrive::FakeServoDrive(CanWire& wire, const ports::SystemClocks& clocks, uint8_t node)
+    : wire_(wire), clocks_(clocks), node_(node), last_ns_(clocks.now_ns()), boots_at_ns_(last_ns_ + kBoot_ns) {}
 
 uint32_t FakeServoDrive::object(uint16_t index, uint8_t sub) const {
   const auto found = objects_.find({index, sub});
@@ -36,7 +34,7 @@ void FakeServoDrive::answer(uint32_t id, std::vector<uint8_t> bytes, int64_t aft
   message.id = id;
   message.length = static_cast<uint8_t>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), message.data.begin());
-  bus_.deliver(message, after_ns);
+  wire_.deliver(message, after_ns);
 }
 
 void FakeServoDrive::boot(bool whole_node) {

@@ -37,7 +37,7 @@ struct DriveTrouble {
 /// profile velocity with ramps. Moves as the clocks go on.
 class FakeServoDrive final : public CanNode {
  public:
-  FakeServoDrive(FakeCanBus& bus, const ManualClocks& clocks, uint8_t node);
+  FakeServoDrive(CanWire& wire, const ports::SystemClocks& clocks, uint8_t node);
 
   void on_bus(const ports::CanMessage& message) override;
   /// Time has passed.
@@ -82,8 +82,8 @@ class FakeServoDrive final : public CanNode {
   bool pdo_is_off(uint16_t communication) const { return (object(communication, 1) & 0x80000000) != 0; }
   bool operational() const { return nmt_ == 0x05; }
 
-  FakeCanBus& bus_;
-  const ManualClocks& clocks_;
+  CanWire& wire_;
+  const ports::SystemClocks& clocks_;
   uint8_t node_;
   std::map<Key, uint32_t> objects_;
   uint8_t nmt_ = 0;

@@ -14,6 +14,7 @@ inline constexpr int64_t kMs = 1'000'000;
 /// A servo client, a bus, a drive, and a loop of 1 kHz.
 struct ServoBench {
   explicit ServoBench(const ServoOptions& with = {.node_id = 5, .homing_method = 17}) : options(with) {
+    bus.attach(drive);
     static_cast<void>(dispatcher.add(servo));
   }
 
