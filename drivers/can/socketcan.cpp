@@ -81,6 +81,7 @@ Status SocketCan::open_socket() {
     return give_up(fail(bound, "the CAN interface cannot be used; check that it is one for CAN"));
   state_ = ports::CanState::kActive;
   socket_drops_ = 0;
+  error_number_ = 0;
   trouble_ = ok_status();
   return ok_status();
 }

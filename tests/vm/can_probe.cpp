@@ -1,16 +1,21 @@
-// can_probe --interface IF [--seconds N] [--trigger] [--servo NODE] [--play-drive NODE]
+// can_probe --interface IF [--seconds N] [--trigger] [--servo NODE] [--play-drive NODE] [--play-vehicle WORD,WORD...]
 //
 // Runs the CAN drivers on a real kernel: vcan or an emulated controller in a guest, or a bus on a desk. One JSON object
 // a line on standard output: every message heard or confirmed, every second the state of bus, standstill and servo,
 // every command. Sends CAL_STATUS as a device does, answers a calibrate command with CAL_RESULT, with --trigger fires
-// CAL_TRIGGER every second. --servo powers a servo on, homes it and turns it; --play-drive plays such a servo, for a
-// second probe on the same bus. Exit 0 if the bus was up in the end, the servo without a fault.
+// CAL_TRIGGER every second. --servo powers a servo on, homes it and turns it; --play-drive plays such a servo and
+// --play-vehicle a vehicle, for a second probe on the same bus: each WORD for two seconds, the last one for ever
+// (standing, moving, repeating, damaged, silent). Exit 0 if the bus was up in the end, the servo without a fault.
 
+#include <algorithm>
+#include <array>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "drivers/can/protection.h"
 #include "drivers/can/socketcan.h"
@@ -18,6 +23,7 @@
 #include "drivers/can/station.h"
 #include "drivers/cia402/servo.h"
 #include "drivers/os/linux_clocks.h"
+#include "tests/drivers/can/vehicle.h"
 #include "tests/fakes/fake_servo_drive.h"
 
 namespace {
@@ -34,11 +40,22 @@ struct Arguments {
   int seconds = 10;
   bool trigger = false;
   int servo = 0, drive = 0;  ///< node; 0: none
+  std::vector<std::string> vehicle;
 };
 
 [[noreturn]] void complain(const std::string& what) {
   std::fprintf(stderr, "can_probe: %s; see the top of tests/vm/can_probe.cpp\n", what.c_str());
   std::exit(100);
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
 }
 
 Arguments parse(int argc, char** argv) {
@@ -59,6 +76,8 @@ Arguments parse(int argc, char** argv) {
       arguments.servo = std::atoi(value.c_str());
     } else if (word == "--play-drive") {
       arguments.drive = std::atoi(value.c_str());
+    } else if (word == "--play-vehicle") {
+      arguments.vehicle = words_of(value);
     } else {
       complain("what is " + word);
     }
@@ -117,6 +136,32 @@ class Printer final : public CanListener {
   std::array<CanId, dbc::kMessages.size()> ids_;
 };
 
+/// A vehicle that sends VEH_MOTION every 20 ms, and may do it badly.
+class PlayedVehicle {
+ public:
+  PlayedVehicle(SocketCan& bus, std::vector<std::string> words) : bus_(bus), words_(std::move(words)) {}
+  void tick(int64_t now_ns) {
+    if (words_.empty() || now_ns < next_ns_) return;
+    if (next_ns_ == 0) began_ns_ = now_ns;
+    next_ns_ = now_ns + 20'000'000;
+    const auto turn = static_cast<std::size_t>((now_ns - began_ns_) / (2 * kSecond_ns));
+    const std::string& word = words_[std::min(turn, words_.size() - 1)];
+    if (word == "silent") return;
+    test::Motion motion;
+    if (word == "moving") motion.standstill = dbc::veh_motion::Standstill::kMoving;
+    ports::CanMessage message = test::motion_message(motion, counter_);
+    if (word == "damaged") message.data[2] ^= 1;
+    if (word != "repeating") counter_ = counter_after(counter_);
+    static_cast<void>(bus_.send(message));
+  }
+
+ private:
+  SocketCan& bus_;
+  std::vector<std::string> words_;
+  int64_t began_ns_ = 0, next_ns_ = 0;
+  uint8_t counter_ = 0;
+};
+
 /// A servo's model on a real bus: hears everything that a node hears.
 class PlayedDrive final : public CanListener, fakes::CanWire {
  public:
@@ -146,7 +191,9 @@ class PlayedDrive final : public CanListener, fakes::CanWire {
 class Probe {
  public:
   explicit Probe(const Arguments& arguments)
-      : arguments_(arguments), standstill_(bus_, {.bus_name = arguments.interface.c_str()}) {
+      : arguments_(arguments),
+        standstill_(bus_, {.bus_name = arguments.interface.c_str()}),
+        vehicle_(bus_, arguments.vehicle) {
     add(printer_);
     add(station_);
     add(standstill_);
@@ -193,6 +240,7 @@ class Probe {
     station_.poll();
     for (CalCommand command; station_.next_command(command);) obey(command);
     if (drive_) drive_->tick();
+    vehicle_.tick(clocks_.now_ns());
     if (!servo_) return;
     servo_->poll();
     if (servo_->ready()) static_cast<void>(servo_->turn(0.5));
@@ -246,6 +294,7 @@ class Probe {
   Printer printer_;
   Station station_{bus_, clocks_, static_cast<uint32_t>(clocks_.now_ns())};
   VehicleStandstill standstill_;
+  PlayedVehicle vehicle_;
   std::unique_ptr<Servo> servo_;
   std::unique_ptr<PlayedDrive> drive_;
   CalStatus status_{.state = dbc::cal_status::State::kIdle};
