@@ -37,11 +37,8 @@ void HealthLog::tell_what_is_over(int64_t now_ns) {
     if (!row.told || now_ns - row.last_ns < kQuietNs || health_.images - row.last_images < kQuietImages) continue;
     Line line;
     TextWriter out(line);
-    out.text("over: ")
-        .text(to_string(static_cast<ImageFault>(i)))
-        .text(", ")
-        .unsigned_integer(row.count)
-        .text(" times");
+    out.text("over: ").text(to_string(static_cast<ImageFault>(i))).text(", ").unsigned_integer(row.count);
+    out.text(row.count == 1 ? " time" : " times");
     log_.note(who(), out.view());
     row = {};
     --told_;

@@ -42,7 +42,7 @@ TEST(HealthLog, QuietSpell_IsToldWithTheCountAndTheNextFaultAgain) {
   for (uint64_t i = 0; i < HealthLog::kQuietImages; ++i) log.image(0, 11 * kS);  // quiet of one, not yet of the other
   ASSERT_EQ(lines.lines.size(), 3U);
   EXPECT_EQ(lines.lines[0], "cam0: unplugged; plug it in again (errno 19)");
-  EXPECT_EQ(lines.lines[2], "cam0: over: unplugged, 1 times");
+  EXPECT_EQ(lines.lines[2], "cam0: over: unplugged, 1 time");
   log.image(0, 12 * kS);
   ASSERT_EQ(lines.lines.size(), 4U);
   EXPECT_EQ(lines.lines[3], "cam0: over: no images, 2 times");
