@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "drivers/image/mjpeg.h"
+
 namespace roomcal::drivers {
 
 using ports::ImageFault;
@@ -26,7 +28,8 @@ constexpr auto kLayouts = std::to_array<Layout>({
     {V4L2_PIX_FMT_YUV420M, PixelFormat::kPlanarLuma}, {V4L2_PIX_FMT_YVU420, PixelFormat::kPlanarLuma},
     {V4L2_PIX_FMT_YUV422P, PixelFormat::kPlanarLuma}, {V4L2_PIX_FMT_SRGGB8, PixelFormat::kBayer8},
     {V4L2_PIX_FMT_SGRBG8, PixelFormat::kBayer8},      {V4L2_PIX_FMT_SGBRG8, PixelFormat::kBayer8},
-    {V4L2_PIX_FMT_SBGGR8, PixelFormat::kBayer8},
+    {V4L2_PIX_FMT_SBGGR8, PixelFormat::kBayer8},      {V4L2_PIX_FMT_MJPEG, PixelFormat::kMjpeg},
+    {V4L2_PIX_FMT_JPEG, PixelFormat::kMjpeg},
 });
 
 PixelFormat format_of(uint32_t fourcc) {
@@ -90,9 +93,10 @@ namespace {
 
 // Whether an image of what the driver answered is what the profile wants, and fits the driver's own buffers.
 bool usable(const CaptureFormat& got, const V4l2Options& options, PixelFormat wanted) {
+  if (got.format != wanted || got.width_px != options.width_px || got.height_px != options.height_px) return false;
+  if (wanted == PixelFormat::kMjpeg) return MjpegDecoder::kBuiltIn && got.buffer_bytes > 0;
   const std::size_t needed = luma_bytes(got.format, got.width_px, got.height_px, got.stride_bytes);
-  return got.format == wanted && got.width_px == options.width_px && got.height_px == options.height_px &&
-         needed != 0 && needed <= got.buffer_bytes;
+  return needed != 0 && needed <= got.buffer_bytes;
 }
 
 }  // namespace
@@ -117,7 +121,7 @@ FixedText<4> fourcc_text(uint32_t fourcc) {
   FixedText<4> text;
   for (int i = 0; i < 4; ++i) {
     const auto c = static_cast<char>(fourcc >> (8 * i) & 0x7f);
-    text.append({c < ' ' ? "?" : &c, 1});
+    if (c != ' ') text.append({c < ' ' ? "?" : &c, 1});
   }
   return text;
 }

@@ -83,7 +83,7 @@ struct Applying {
     const double fps = options.trigger == TriggerMode::kExternal ? 0 : options.fps;
     const int64_t wanted_ns = fps > 0 ? std::llround(1e9 / fps) : 0;
     timing.period_ns = wanted_ns;
-    const Trouble trouble = guard.set_period(multiplanar, timing.period_ns);
+    const Trouble trouble = guard.set_rate(multiplanar, fps, timing.period_ns);
     if (trouble.fault == ImageFault::kGone) return trouble;
     constexpr int64_t kHonest = 20;  // cameras round to whole lines: a twentieth off is still the rate asked for
     const bool done = trouble.none() && std::abs(timing.period_ns - wanted_ns) <= wanted_ns / kHonest;

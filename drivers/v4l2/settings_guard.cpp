@@ -1,5 +1,7 @@
 #include "drivers/v4l2/settings_guard.h"
 
+#include <cmath>
+
 namespace roomcal::drivers {
 
 using ports::ImageFault;
@@ -37,21 +39,23 @@ Trouble SettingsGuard::set_control(uint32_t id, int32_t& value) {
   return {};
 }
 
-Trouble SettingsGuard::set_period(bool multiplanar, int64_t& period_ns) {
+Trouble SettingsGuard::set_rate(bool multiplanar, double fps, int64_t& period_ns) {
   auto rate = zeroed<v4l2_streamparm>();
   rate.type = buffer_type(multiplanar);
   ROOMCAL_TRY_CALL(handle_.call(V4l2Call::kSetRate, VIDIOC_G_PARM, rate));
-  if ((rate.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) {
-    period_ns = to_ns(rate.parm.capture.timeperframe);
-    return {ImageFault::kFormat, 0};
+  v4l2_captureparm& capture = rate.parm.capture;
+  const bool settable = (capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
+  Trouble trouble;
+  if (fps > 0 && !settable) trouble = {ImageFault::kFormat, 0};
+  if (fps > 0 && settable) {
+    rate_ = rate;
+    has_rate_ = true;
+    // Exactly 1/30 for 30: vivid takes the next shorter time for one that is shorter by a hair.
+    constexpr uint32_t kParts = 1000;
+    capture.timeperframe = {kParts, static_cast<uint32_t>(std::lround(fps * kParts))};
+    trouble = handle_.call(V4l2Call::kSetRate, VIDIOC_S_PARM, rate);
   }
-  rate_ = rate;
-  has_rate_ = true;
-  constexpr uint32_t kPerSecond = 1'000'000;  // fractions of 1 us: drivers take the nearest that they have
-  if (period_ns > 0)
-    rate.parm.capture.timeperframe = {static_cast<uint32_t>(period_ns / (kSecondNs / kPerSecond)), kPerSecond};
-  const Trouble trouble = period_ns > 0 ? handle_.call(V4l2Call::kSetRate, VIDIOC_S_PARM, rate) : Trouble{};
-  period_ns = to_ns(rate.parm.capture.timeperframe);
+  if (const int64_t said_ns = to_ns(capture.timeperframe); trouble.none() && said_ns > 0) period_ns = said_ns;
   return trouble;
 }
 

@@ -19,8 +19,9 @@ class SettingsGuard {
   void remember(bool multiplanar);
   /// Sets a control after noting what it was. @param[in,out] value  as the camera took it.
   Trouble set_control(uint32_t id, int32_t& value);
-  /// Sets the time between images. @param[in,out] period_ns  as the camera took it.
-  Trouble set_period(bool multiplanar, int64_t& period_ns);
+  /// Sets how many images a second. @param fps  0: only asks.
+  /// @param[out] period_ns  the time between images, as the camera took it; untouched if it does not say.
+  Trouble set_rate(bool multiplanar, double fps, int64_t& period_ns);
 
   /// Puts everything back, in reverse order, as far as the camera still listens. Not while buffers are allocated.
   void restore();

@@ -39,8 +39,6 @@ constexpr auto kTable = std::to_array<Row>({
     {EPIPE, kConfigure, ImageFault::kFormat},                 // USB: the camera stalls a request that it does not want
     {ENOTTY, at(V4l2Call::kQueryCaps), ImageFault::kFormat},  // no V4L2 device at all
     {EINVAL, at(V4l2Call::kQueryCaps), ImageFault::kFormat},
-    {EINVAL, at(V4l2Call::kRequestBuffers), ImageFault::kFormat},  // no memory-mapped streaming
-    {ENOTTY, at(V4l2Call::kRequestBuffers), ImageFault::kFormat},
     {EPIPE, at(V4l2Call::kStreamOn), ImageFault::kFormat},    // the media pipeline's pads disagree about the format
     {ENOLINK, at(V4l2Call::kStreamOn), ImageFault::kFormat},  // the media pipeline's links are not set up
     {EPIPE, kAny, ImageFault::kEndOfStream},

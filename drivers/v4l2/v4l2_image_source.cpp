@@ -56,13 +56,23 @@ Status V4l2ImageSource::start() {
   stop();
   log_.start();
   recovery_.start(clocks_.now_ns());
-  if (const Status checked = check(options_); !checked.ok()) {
-    log_.note(checked.detail());
+  if (const Status prepared = prepare(); !prepared.ok()) {
+    log_.note(prepared.detail());
     fault(ImageFault::kFormat);
-    return checked;
+    return prepared;
   }
   open();
   return start_status(device_.is_open() ? ImageFault::kCount : log_.health().last_fault);
+}
+
+// What the profile asks for, as far as it can be known without the camera.
+Status V4l2ImageSource::prepare() {
+  ROOMCAL_TRY(check(options_));
+  const bool mjpeg =
+      std::find(options_.formats.begin(), options_.formats.end(), PixelFormat::kMjpeg) != options_.formats.end();
+  if (!mjpeg || !MjpegDecoder::kBuiltIn || !mjpeg_memory_.bytes().empty()) return ok_status();
+  ROOMCAL_TRY(mjpeg_memory_.reserve(MjpegDecoder::memory_bytes(options_.width_px)));
+  return mjpeg_.open(mjpeg_memory_.bytes());
 }
 
 void V4l2ImageSource::stop() {
@@ -192,10 +202,7 @@ Trouble V4l2ImageSource::take_newest(FilledBuffer& newest, ImageFacts& facts, bo
 }
 
 bool V4l2ImageSource::hand_over(const FilledBuffer& image, const ImageFacts& facts, MutableImageView into) {
-  const CaptureFormat& format = device_.format();
-  const Status copied =
-      to_luma({format.format, format.width_px, format.height_px, format.stride_bytes, image.bytes}, into);
-  if (!copied.ok()) {
+  if (!copy(image, into).ok()) {
     fault(ImageFault::kUndecodable);
     return false;
   }
@@ -203,6 +210,12 @@ bool V4l2ImageSource::hand_over(const FilledBuffer& image, const ImageFacts& fac
   recovery_.image(facts.arrived_ns);
   log_.image(facts.lost_before, facts.arrived_ns);
   return true;
+}
+
+Status V4l2ImageSource::copy(const FilledBuffer& image, MutableImageView into) {
+  const CaptureFormat& format = device_.format();
+  if (format.format == PixelFormat::kMjpeg) return mjpeg_.decode(image.bytes, into);
+  return to_luma({format.format, format.width_px, format.height_px, format.stride_bytes, image.bytes}, into);
 }
 
 void V4l2ImageSource::report(const Trouble& trouble) {
@@ -214,7 +227,9 @@ void V4l2ImageSource::report(const Trouble& trouble) {
 void V4l2ImageSource::fault(ImageFault fault, int error_number) {
   const int64_t now_ns = clocks_.now_ns();
   log_.fault(fault, now_ns, error_number);
-  recovery_.fault(fault, now_ns);
+  // A camera that has streamed as asked since start() can do it: that it now refuses is a matter of its state.
+  const bool refuses_now = fault == ImageFault::kFormat && log_.health().images > 0;
+  recovery_.fault(refuses_now ? ImageFault::kStale : fault, now_ns);
   log_.state(recovery_.state());
 }
 

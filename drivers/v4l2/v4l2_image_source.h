@@ -3,7 +3,9 @@
 #include <string_view>
 
 #include "drivers/image/health_log.h"
+#include "drivers/image/mjpeg.h"
 #include "drivers/image/recovery.h"
+#include "drivers/os/locked_memory.h"
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/image_judge.h"
 #include "drivers/v4l2/kernel.h"
@@ -16,9 +18,9 @@ namespace roomcal::drivers {
 
 /// A V4L2 camera: USB (UVC), MIPI CSI-2 behind a driver that captures by itself, virtual. See README.md.
 ///
-/// No heap from its construction on: buffers are the kernel's, and finding a camera again reads sysfs by system calls.
-/// next() mends the camera by the ladder of drivers/image/recovery.h. A step of it is not cut short: opening a USB
-/// camera may take a second, and next() then returns later than asked.
+/// No heap after start(), and before only for a camera that sends JPEG: buffers are the kernel's, and finding a camera
+/// again reads sysfs by system calls. next() mends the camera by the ladder of drivers/image/recovery.h. A step of it
+/// is not cut short: opening a USB camera may take a second, and next() then returns later than asked.
 ///
 /// Stamps are kMonotonic. V4L2 stamps are mostly of an image's end; `exposed` is then worked out from exposure and
 /// rate, and `uncertainty_ns` tells how well (image_judge.h).
@@ -40,6 +42,8 @@ class V4l2ImageSource final : public ports::ImageSource {
   bool drain(MutableImageView into, ports::ImageFacts& facts);
   Trouble take_newest(FilledBuffer& newest, ports::ImageFacts& facts, bool& any);
   bool hand_over(const FilledBuffer& image, const ports::ImageFacts& facts, MutableImageView into);
+  Status prepare();
+  Status copy(const FilledBuffer& image, MutableImageView into);
   void open();
   void stream_began();
   void report(const Trouble& trouble);
@@ -51,6 +55,8 @@ class V4l2ImageSource final : public ports::ImageSource {
   Recovery recovery_;
   V4l2Device device_;
   ImageJudge judge_;
+  LockedMemory mjpeg_memory_;
+  MjpegDecoder mjpeg_;
 };
 
 }  // namespace roomcal::drivers

@@ -2,8 +2,11 @@
 // v4l2_probe --key KEY --size WxH [--format GREY,YUYV,...] [--fps N] [--seconds N] [--exposure-us N] [--gain N]
 //            [--trigger NAME=VALUE] [--reset-port] [--save FILE]
 //
-// Runs the V4L2 driver on a real kernel: vivid in a guest, or a camera on a desk. One JSON object a line and second on
-// standard output, what the driver logs on standard error. Exit 0 if the last second brought images, 1 otherwise.
+// Runs the V4L2 driver on a real kernel: vivid in a guest, or a camera on a desk. (vivid's stamps of an image's end are
+// nine tenths of a period ahead of the image, and so "in the future": set its control timestamp_source to 1.)
+//
+// One JSON object a line and second on standard output, what the driver logs on standard error. Exit 0 if the last
+// second brought images, 1 otherwise.
 
 #include <algorithm>
 #include <array>

@@ -247,7 +247,7 @@ int FakeKernel::query_cap(const Driver& driver, v4l2_capability& caps) const {
 int FakeKernel::get_format(const Driver& driver, v4l2_format& format) const {
   const FakeCamera& is = driver.is;
   const uint32_t fourcc = driver.fourcc != 0 ? driver.fourcc : is.fourccs[0];
-  const auto size = static_cast<uint32_t>(is.stride * is.height);
+  const auto size = static_cast<uint32_t>(is.jpeg.empty() ? is.stride * is.height : FakeCamera::kBytes);
   const auto fill = [&](auto& pixels) {
     pixels.width = static_cast<uint32_t>(is.width);
     pixels.height = static_cast<uint32_t>(is.height);
@@ -385,12 +385,14 @@ void FakeKernel::expose(Driver& driver) {
   const uint32_t index = pop_front(driver.queue);
   std::array<std::byte, FakeCamera::kBytes>& memory = driver.memory[index];
   memory.fill(std::byte{0xEE});
-  for (int y = 0; y < is.height; ++y)
+  std::copy(is.jpeg.begin(), is.jpeg.end(), memory.begin());
+  for (int y = 0; y < is.height && is.jpeg.empty(); ++y)
     for (int x = 0; x < is.width; ++x)
       memory[static_cast<std::size_t>(y * is.stride + x * is.luma_step + is.luma_at)] =
           static_cast<std::byte>(sequence + static_cast<uint32_t>(x + 3 * y));
   if (!is.frozen_stamp) driver.last_stamp_ns = driver.next_ns;
-  const auto bytes = static_cast<uint32_t>(is.stride * is.height - is.missing_bytes);
+  const int whole = is.jpeg.empty() ? is.stride * is.height : static_cast<int>(is.jpeg.size());
+  const auto bytes = static_cast<uint32_t>(whole - is.missing_bytes);
   static_cast<void>(driver.done.push_back(
       {index, sequence, is.stamp_flags | is.damage_flags, bytes, driver.last_stamp_ns + is.stamp_offset_ns}));
 }

@@ -58,7 +58,7 @@ const char* to_string(FakeCall call);
 /// A camera and its driver, as videobuf2 behaves. Set up the public members, then plug it in.
 struct FakeCamera {
   static constexpr int kBuffers = 8;
-  static constexpr int kBytes = 8192;
+  static constexpr int kBytes = 8192;  ///< of a buffer
 
   VideoNode node;
   const char* card = "Fake";
@@ -78,10 +78,11 @@ struct FakeCamera {
   bool frozen_stamp = false;  ///< the stamp of the image before
   bool frozen_sequence = false;
   int64_t stamp_offset_ns = 0;
-  uint32_t damage_flags = 0;  ///< V4L2_BUF_FLAG_ERROR
-  int missing_bytes = 0;      ///< of each image
-  int lose_next = 0;          ///< so many images take a number and do not come
-  int returned_index = -1;    ///< of every image, instead of its own; 100: none that there is
+  uint32_t damage_flags = 0;        ///< V4L2_BUF_FLAG_ERROR
+  int missing_bytes = 0;            ///< of each image
+  int lose_next = 0;                ///< so many images take a number and do not come
+  std::span<const std::byte> jpeg;  ///< what it sends instead of pixels, if there is any
+  int returned_index = -1;          ///< of every image, instead of its own; 100: none that there is
   bool plugged = false;
 
   struct Control {

@@ -1,6 +1,7 @@
 #include "drivers/v4l2/settings.h"
 
 #include <cerrno>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +54,19 @@ TEST(V4l2Settings, Options_AreSetAndPutBackOnClosing) {
   EXPECT_EQ(value_of(rig.camera, V4L2_CID_AUTOGAIN), 1);
   EXPECT_EQ(value_of(rig.camera, V4L2_CID_GAIN), 100);
   EXPECT_EQ(value_of(rig.camera, V4L2_CID_PRIVATE_BASE), 0);
+}
+
+// vivid takes 40 for a time between images that is 0.3 us shorter than a thirtieth of a second.
+TEST(V4l2Settings, Rate_IsAskedForExactly) {
+  for (const auto& [fps, period_ns] :
+       {std::pair{30.0, int64_t{33'333'333}}, {29.97, 33'366'700}, {0.5, 2'000'000'000}}) {
+    Rig rig;
+    rig.camera.period_ns = 10 * kMs;
+    rig.options.fps = fps;
+    ASSERT_TRUE(rig.source().start().ok());
+    EXPECT_EQ(rig.camera.period_ns, period_ns);
+    EXPECT_EQ(rig.lines.with("time between images"), 0);
+  }
 }
 
 TEST(V4l2Settings, NothingAskedFor_NothingIsTouched) {
