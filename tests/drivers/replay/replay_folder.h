@@ -2,29 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
 #include "drivers/replay/replay_cursor.h"
+#include "tests/drivers/folder_of_test.h"
 
 namespace roomcal::drivers::test {
 
-/// A folder of a test's own.
-class ReplayFolder : public testing::Test {
+/// A folder with images and recordings.
+class ReplayFolder : public FolderOfTest {
  protected:
-  ReplayFolder() { std::filesystem::create_directories(folder_); }
-  ~ReplayFolder() override { std::filesystem::remove_all(folder_); }
-
   FolderPath path() const { return std::string_view(folder_.string()); }
-  void write(const std::string& file, const std::string& bytes) const {
-    std::filesystem::create_directories((folder_ / file).parent_path());
-    std::ofstream(folder_ / file, std::ios::binary) << bytes;
-  }
   /// A PGM whose pixels count up from `first`.
   void write_pgm(const std::string& file, int width, int height, int first) const {
     std::string bytes = "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
@@ -46,10 +35,6 @@ class ReplayFolder : public testing::Test {
     }
     write(file, out);
   }
-
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("roomcal_replay_" + std::to_string(::getpid()) + "_" +
-                                                testing::UnitTest::GetInstance()->current_test_info()->name());
 
  private:
   static void put(std::string& out, uint64_t value, int bytes) {
