@@ -43,8 +43,7 @@ Status GpioLine::request(const GpioLineOptions& options, uint64_t flags, uint32_
   const int answer = kernel.ioctl(place.chip.get(), GPIO_V2_GET_LINE_IOCTL, &request);
   if (answer == -EBUSY) return {StatusCode::kUnavailable, "somebody else holds the GPIO line; gpioinfo shows who"};
   if (answer < 0)
-    return {StatusCode::kUnavailable,
-            "the GPIO chip cannot give the line as wanted; try it without bias"};
+    return {StatusCode::kUnavailable, "the GPIO chip cannot give the line as wanted; try it without bias"};
   fd_ = UniqueFd(request.fd);
   if (::fcntl(fd_.get(), F_SETFL, O_NONBLOCK) == 0) return ok_status();
   release();
