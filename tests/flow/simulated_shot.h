@@ -23,7 +23,7 @@ struct SimulatedShot {
 /// The map of the room of this seed.
 tools::LoadedMap simulated_map(uint64_t room_seed);
 
-/// Renders; about 1 s of one core per megapixel.
+/// Renders; about 0.7 s of one core per megapixel.
 /// @param device  stereo_rig, mobile_robot, backpack or tls.
 SimulatedShot simulate_shot(const std::string& device, uint64_t room_seed, uint64_t shot_seed);
 

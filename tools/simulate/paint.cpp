@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "tools/common/error.h"
+
 namespace roomcal::tools {
 
 namespace {
@@ -95,21 +97,35 @@ PaintedDecal::PaintedDecal(const Decal& decal) : decal_(decal) {
   R_decal_plane_ << c, s, -s, c;
 }
 
-Paint PaintedDecal::over(const Paint& below, const Vec2& q, const Mat22& footprint, double sample_px) const {
+bool PaintedDecal::near(const Vec2& q, const Mat22& footprint, double reach_px) const {
   const Vec2 local = R_decal_plane_ * (q - decal_.centre);
-  const Mat22 local_footprint = R_decal_plane_ * footprint;
+  // No direction is spaced wider than the footprint's norm.
+  return (decal_.half_size - local.cwiseAbs()).minCoeff() >= -reach_px * footprint.norm();
+}
 
+DecalFootprint PaintedDecal::footprint_of(const Mat22& footprint) const {
+  const Mat22 local = R_decal_plane_ * footprint;
+  return {local, spacing(local, Vec2(1, 0)), spacing(local, Vec2(0, 1))};
+}
+
+bool PaintedDecal::look(const Vec2& q, const DecalFootprint& footprint, double sample_px, Layer& layer) const {
+  const Vec2 local = R_decal_plane_ * (q - decal_.centre);
   const Vec2 inside = decal_.half_size - local.cwiseAbs();
-  const Vec2 inside_px(inside.x() / spacing(local_footprint, Vec2(1, 0)),
-                       inside.y() / spacing(local_footprint, Vec2(0, 1)));
+  const Vec2 inside_px(inside.x() / footprint.across_m, inside.y() / footprint.up_m);
   const double edge_px = inside_px.minCoeff();
-  if (edge_px < -2) return below;
-  const double paper =
+  if (edge_px < -2) return false;
+  layer.paper =
       std::clamp(0.5 + inside_px.x() / sample_px, 0.0, 1.0) * std::clamp(0.5 + inside_px.y() / sample_px, 0.0, 1.0);
+  const Paint ink = ink_of(decal_, local, footprint.local, sample_px);
+  layer.albedo = std::lerp(kPaperAlbedo, kInkAlbedo, ink.albedo);
+  layer.edge_px = std::min(std::abs(edge_px), ink.edge_px);
+  return true;
+}
 
-  const Paint ink = ink_of(decal_, local, local_footprint, sample_px);
-  const double printed = std::lerp(kPaperAlbedo, kInkAlbedo, ink.albedo);
-  return {std::lerp(below.albedo, printed, paper), std::min({below.edge_px, std::abs(edge_px), ink.edge_px})};
+Paint PaintedDecal::over(const Paint& below, const Vec2& q, const Mat22& footprint, double sample_px) const {
+  Layer layer;
+  if (!look(q, footprint_of(footprint), sample_px, layer)) return below;
+  return {std::lerp(below.albedo, layer.albedo, layer.paper), std::min(below.edge_px, layer.edge_px)};
 }
 
 PaintedPlane::PaintedPlane(const Plane& plane, uint64_t seed)
@@ -126,7 +142,9 @@ PaintedPlane::PaintedPlane(const Plane& plane, uint64_t seed)
       for (int column = 0; column < columns_; ++column) {
         const Vec2 middle((column + 0.5) * kCell_m, (row + 0.5) * kCell_m);
         if ((middle - decal.centre).norm() > reach) continue;
-        decals_near_[static_cast<std::size_t>(row * columns_ + column)].push_back(static_cast<uint16_t>(i));
+        auto& cell = decals_near_[static_cast<std::size_t>(row * columns_ + column)];
+        cell.push_back(static_cast<uint16_t>(i));
+        if (cell.size() > kMostNear) throw ToolError(plane.name + ": too many sheets in one place");
       }
     }
   }
@@ -138,24 +156,42 @@ int PaintedPlane::cell_of(const Vec2& q) const {
   return row * columns_ + column;
 }
 
-Paint PaintedPlane::background(const Vec2& q, const Mat22& footprint) const {
-  const double grain = 0.05 * stain(q * 7, seed_) + 0.03 * stain(q * 31, seed_ + 1);
-  Paint paint{plane_.albedo * (1 + grain), 1e9};
-  if (plane_.tile_m <= 0) return paint;
-  for (int i = 0; i < 2; ++i) {
+double PaintedPlane::joint(const Vec2& q, const Vec2& spacing_m, double& edge_px) const {
+  double albedo = -1;
+  edge_px = 1e9;
+  for (int i = 0; i < 2 && plane_.tile_m > 0; ++i) {
     const double to_joint = std::abs(q[i] / plane_.tile_m - std::round(q[i] / plane_.tile_m)) * plane_.tile_m;
-    const double edge_m = std::abs(to_joint - kJointHalfWidth_m);
-    paint.edge_px = std::min(paint.edge_px, edge_m / spacing(footprint, i == 0 ? Vec2(1, 0) : Vec2(0, 1)));
-    if (to_joint < kJointHalfWidth_m) paint.albedo = kJointAlbedo;
+    edge_px = std::min(edge_px, std::abs(to_joint - kJointHalfWidth_m) / spacing_m[i]);
+    if (to_joint < kJointHalfWidth_m) albedo = kJointAlbedo;
   }
-  return paint;
+  return albedo;
 }
 
-Paint PaintedPlane::at(const Vec2& q, const Mat22& footprint, double sample_px) const {
-  Paint paint = background(q, footprint);
-  for (const uint16_t i : decals_near_[static_cast<std::size_t>(cell_of(q))]) {
-    paint = decals_[i].over(paint, q, footprint, sample_px);
+double PaintedPlane::stained_albedo(const Vec2& q) const {
+  const double grain = 0.05 * stain(q * 7, seed_) + 0.03 * stain(q * 31, seed_ + 1);
+  return plane_.albedo * (1 + grain);
+}
+
+PaintPatch::PaintPatch(const PaintedPlane& plane, const Vec2& q, const Mat22& footprint)
+    : plane_(plane), spacing_m_(spacing(footprint, Vec2(1, 0)), spacing(footprint, Vec2(0, 1))) {
+  constexpr double kReach_px = 3;  // look() goes to two pixels, and a sample is up to half a diagonal off the middle
+  for (const uint16_t i : plane.decals_near_[static_cast<std::size_t>(plane.cell_of(q))]) {
+    const PaintedDecal& decal = plane.decals_[i];
+    if (decal.near(q, footprint, kReach_px)) near_[count_++] = {&decal, decal.footprint_of(footprint)};
   }
+}
+
+Paint PaintPatch::at(const Vec2& q, double sample_px) const {
+  Paint paint;
+  paint.albedo = plane_.joint(q, spacing_m_, paint.edge_px);  // negative: not known yet; paper mostly spares us
+  for (std::size_t i = 0; i < count_; ++i) {
+    PaintedDecal::Layer layer;
+    if (!near_[i].decal->look(q, near_[i].footprint, sample_px, layer)) continue;
+    if (paint.albedo < 0 && layer.paper < 1) paint.albedo = plane_.stained_albedo(q);
+    paint.albedo = std::lerp(paint.albedo, layer.albedo, layer.paper);
+    paint.edge_px = std::min(paint.edge_px, layer.edge_px);
+  }
+  if (paint.albedo < 0) paint.albedo = plane_.stained_albedo(q);
   return paint;
 }
 

@@ -30,14 +30,6 @@ const LitScene::Skin& LitScene::skin_of(const Hit& hit) const {
   return *skins_[index + static_cast<std::size_t>(hit.plane - hit.body->faces.data())];
 }
 
-double LitScene::radiance(const Hit& hit, const Vec2& q, const Mat22& footprint, double sample_px,
-                          double& edge_px) const {
-  const Skin& skin = skin_of(hit);
-  const Paint paint = skin.paint.at(q, footprint, sample_px);
-  edge_px = paint.edge_px;
-  return paint.albedo * skin.light.at(q) + lamp_radiance(hit, q);
-}
-
 double LitScene::paper_radiance(const Hit& hit, const Vec2& q) const {
   return hit.body == nullptr && !hit.plane->decals.empty() ? kPaperAlbedo * skin_of(hit).light.at(q) : -1;
 }
@@ -51,6 +43,15 @@ double LitScene::lamp_radiance(const Hit& hit, const Vec2& q) const {
     if (on_panel) return lamp.intensity / (4 * lamp.half_size.prod());
   }
   return 0;
+}
+
+LitPatch::LitPatch(const LitScene& lit, const Hit& hit, const Vec2& q, const Mat22& footprint)
+    : lit_(lit), hit_(hit), skin_(lit.skin_of(hit)), paint_(skin_.paint, q, footprint) {}
+
+double LitPatch::radiance(const Vec2& q, double sample_px, double& edge_px) const {
+  const Paint paint = paint_.at(q, sample_px);
+  edge_px = paint.edge_px;
+  return paint.albedo * skin_.light.at(q) + lit_.lamp_radiance(hit_, q);
 }
 
 RoomView::RoomView(const LitScene& lit, const camera::Camera& camera, const SE3& T_room_cam)
@@ -85,10 +86,8 @@ bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
   return false;
 }
 
-double RoomView::shade(const Hit& hit, const Vec3& ray, const Mat22& footprint, double sample_px,
-                       double& edge_px) const {
-  const Vec2 q = hit.plane->coordinates(T_room_cam_.t + hit.distance * ray);
-  return lit_.radiance(hit, q, footprint, sample_px, edge_px);
+Vec2 RoomView::place_of(const Hit& hit, const Vec3& ray) const {
+  return hit.plane->coordinates(T_room_cam_.t + hit.distance * ray);
 }
 
 void RoomView::sample(int x, int y, PixelSamples& samples) const {
@@ -99,23 +98,25 @@ void RoomView::sample(int x, int y, PixelSamples& samples) const {
   if (hit.plane == nullptr) return;
   double edge_px = 0;
   const Mat22 footprint = footprint_on(*hit.plane, rays, hit.distance);
-  const double value = shade(hit, rays.direction, footprint, 1, edge_px);
+  const Vec2 middle = place_of(hit, rays.direction);
+  const LitPatch patch(lit_, hit, middle, footprint);
+  const double value = patch.radiance(middle, 1, edge_px);
   const bool outline = has_outline(hit, rays);
   if (edge_px > kEdgeReach_px && !outline) {
     samples.fill(static_cast<float>(value));
     return;
   }
-  for (int j = 0; j < kSub; ++j) {
-    for (int i = 0; i < kSub; ++i) {
-      const Vec3 ray = rays.at(sub_offset_px(i), sub_offset_px(j));
-      Hit part = hit;
-      if (outline) {
-        part = cast_ray(lit_.scene(), T_room_cam_.t, ray);
-      } else {
-        part.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(ray);
-      }
-      samples[static_cast<std::size_t>(j * kSub + i)] =
-          static_cast<float>(shade(part, ray, footprint, 1.0 / kSub, edge_px));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const int column = static_cast<int>(i % kSub), row = static_cast<int>(i / kSub);
+    const Vec3 ray = rays.at(sub_offset_px(column), sub_offset_px(row));
+    Hit part = hit;
+    if (outline) {
+      part = cast_ray(lit_.scene(), T_room_cam_.t, ray);
+      const Vec2 place = place_of(part, ray);
+      samples[i] = static_cast<float>(LitPatch(lit_, part, place, footprint).radiance(place, 1.0 / kSub, edge_px));
+    } else {
+      part.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(ray);
+      samples[i] = static_cast<float>(patch.radiance(place_of(part, ray), 1.0 / kSub, edge_px));
     }
   }
 }

@@ -18,23 +18,36 @@ class LitScene {
   explicit LitScene(const Scene& scene);
 
   const Scene& scene() const { return scene_; }
-  /// Radiance (albedo x irradiance) of a place on a surface, averaged across a sample.
-  /// @param edge_px  distance to the nearest printed edge
-  double radiance(const Hit& hit, const Vec2& q, const Mat22& footprint, double sample_px, double& edge_px) const;
+  struct Skin {
+    PaintedPlane paint;
+    LightMap light;
+  };
+  const Skin& skin_of(const Hit& hit) const;
   /// Irradiance on white paper at a hit; for the exposure meter. Negative where there is no wall with decals.
   double paper_radiance(const Hit& hit, const Vec2& q) const;
   /// Radiance of a lamp's panel along a ray to the ceiling, or 0.
   double lamp_radiance(const Hit& hit, const Vec2& q) const;
 
  private:
-  struct Skin {
-    PaintedPlane paint;
-    LightMap light;
-  };
-  const Skin& skin_of(const Hit& hit) const;
-
   const Scene& scene_;
   std::vector<std::unique_ptr<Skin>> skins_;  ///< walls, then the bodies' faces
+};
+
+/// What one pixel sees of one surface.
+class LitPatch {
+ public:
+  /// @param q  middle of the pixel. @param footprint  d q / d px, m per px
+  LitPatch(const LitScene& lit, const Hit& hit, const Vec2& q, const Mat22& footprint);
+
+  /// Radiance (albedo x irradiance) of a place, averaged across a sample.
+  /// @param[out] edge_px  distance to the nearest printed edge
+  double radiance(const Vec2& q, double sample_px, double& edge_px) const;
+
+ private:
+  const LitScene& lit_;
+  const Hit& hit_;
+  const LitScene::Skin& skin_;
+  PaintPatch paint_;
 };
 
 /// The scene through one camera.
@@ -49,10 +62,9 @@ class RoomView final : public Radiance {
 
  private:
   bool rays_of(double x, double y, PixelRays& rays_room) const;
+  Vec2 place_of(const Hit& hit, const Vec3& ray) const;
   /// Whether a corner of the room or the outline of a body crosses the pixel.
   bool has_outline(const Hit& hit, const PixelRays& rays) const;
-  double shade(const Hit& hit, const Vec3& ray, const Mat22& footprint, double sample_px, double& edge_px) const;
-
   const LitScene& lit_;
   const camera::Camera& camera_;
   SE3 T_room_cam_;

@@ -25,7 +25,7 @@ struct Picture {
   std::vector<MarkerTruth> markers;
 };
 
-/// Cost: about 1 s of one core per megapixel.
+/// Cost: about 0.7 s of one core per megapixel.
 Exposed expose_camera(const LitScene& lit, const TrueCamera& camera, const ShotOptions& options);
 
 /// The noise of one picture on what the camera sees. @param seed  other seed, other noise
