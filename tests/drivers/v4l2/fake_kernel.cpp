@@ -14,62 +14,34 @@ namespace {
 constexpr int kFirstDescriptor = 100;
 constexpr int64_t kCallNs = 1000;
 
-template <std::size_t kSize>
-void write_text(unsigned char (&field)[kSize], const char* text) {
-  std::memset(field, 0, kSize);
-  std::memcpy(field, text, std::min(std::strlen(text), kSize - 1));
-}
+struct Row {
+  unsigned long request;
+  FakeCall call;
+};
 
-template <typename T>
-T& as(void* argument) {
-  return *static_cast<T*>(argument);
-}
-
-template <typename T, std::size_t kCapacity>
-T pop_front(FixedVector<T, kCapacity>& items) {
-  const T first = items[0];
-  std::copy(items.begin() + 1, items.end(), items.begin());
-  items.pop_back();
-  return first;
-}
+constexpr auto kRequests = std::to_array<Row>({
+    {VIDIOC_QUERYCAP, FakeCall::kQueryCap},
+    {VIDIOC_G_FMT, FakeCall::kGetFormat},
+    {VIDIOC_S_FMT, FakeCall::kSetFormat},
+    {VIDIOC_G_PARM, FakeCall::kGetRate},
+    {VIDIOC_S_PARM, FakeCall::kSetRate},
+    {VIDIOC_QUERYCTRL, FakeCall::kQueryControl},
+    {VIDIOC_G_CTRL, FakeCall::kGetControl},
+    {VIDIOC_S_CTRL, FakeCall::kSetControl},
+    {VIDIOC_REQBUFS, FakeCall::kRequestBuffers},
+    {VIDIOC_QUERYBUF, FakeCall::kQueryBuffer},
+    {VIDIOC_QBUF, FakeCall::kQueue},
+    {VIDIOC_DQBUF, FakeCall::kDequeue},
+    {VIDIOC_STREAMON, FakeCall::kStreamOn},
+    {VIDIOC_STREAMOFF, FakeCall::kStreamOff},
+    {VIDIOC_SUBSCRIBE_EVENT, FakeCall::kSubscribe},
+    {VIDIOC_DQEVENT, FakeCall::kDequeueEvent},
+});
 
 FakeCall kind_of(unsigned long request) {
-  switch (request) {
-    case VIDIOC_QUERYCAP:
-      return FakeCall::kQueryCap;
-    case VIDIOC_G_FMT:
-      return FakeCall::kGetFormat;
-    case VIDIOC_S_FMT:
-      return FakeCall::kSetFormat;
-    case VIDIOC_G_PARM:
-      return FakeCall::kGetRate;
-    case VIDIOC_S_PARM:
-      return FakeCall::kSetRate;
-    case VIDIOC_QUERYCTRL:
-      return FakeCall::kQueryControl;
-    case VIDIOC_G_CTRL:
-      return FakeCall::kGetControl;
-    case VIDIOC_S_CTRL:
-      return FakeCall::kSetControl;
-    case VIDIOC_REQBUFS:
-      return FakeCall::kRequestBuffers;
-    case VIDIOC_QUERYBUF:
-      return FakeCall::kQueryBuffer;
-    case VIDIOC_QBUF:
-      return FakeCall::kQueue;
-    case VIDIOC_DQBUF:
-      return FakeCall::kDequeue;
-    case VIDIOC_STREAMON:
-      return FakeCall::kStreamOn;
-    case VIDIOC_STREAMOFF:
-      return FakeCall::kStreamOff;
-    case VIDIOC_SUBSCRIBE_EVENT:
-      return FakeCall::kSubscribe;
-    case VIDIOC_DQEVENT:
-      return FakeCall::kDequeueEvent;
-    default:
-      return FakeCall::kCount;
-  }
+  for (const Row& row : kRequests)
+    if (row.request == request) return row.call;
+  return FakeCall::kCount;
 }
 
 }  // namespace
@@ -136,6 +108,7 @@ int FakeKernel::enter(FakeCall call) {
     if (failure.call != call || failure.times == 0) continue;
     if (failure.skip-- > 0) continue;
     --failure.times;
+    ++failed_;
     return failure.error_number;
   }
   return 0;
@@ -187,183 +160,6 @@ int FakeKernel::ioctl(int fd, unsigned long request, void* argument) {
   if (!descriptors_[static_cast<std::size_t>(fd - kFirstDescriptor)].alive) return -ENODEV;
   produce(*driver, clocks_.now_ns());
   return answer(*driver, fd, request, argument);
-}
-
-int FakeKernel::answer(Driver& driver, int fd, unsigned long request, void* argument) {
-  switch (request) {
-    case VIDIOC_QUERYCAP:
-      return query_cap(driver, as<v4l2_capability>(argument));
-    case VIDIOC_G_FMT:
-      return get_format(driver, as<v4l2_format>(argument));
-    case VIDIOC_S_FMT:
-      return set_format(driver, as<v4l2_format>(argument));
-    case VIDIOC_G_PARM:
-      return rate(driver, as<v4l2_streamparm>(argument), false);
-    case VIDIOC_S_PARM:
-      return rate(driver, as<v4l2_streamparm>(argument), true);
-    case VIDIOC_QUERYCTRL:
-      return query_control(driver, as<v4l2_queryctrl>(argument));
-    case VIDIOC_G_CTRL:
-      return control(driver, as<v4l2_control>(argument), false);
-    case VIDIOC_S_CTRL:
-      return control(driver, as<v4l2_control>(argument), true);
-    case VIDIOC_REQBUFS:
-      return request_buffers(driver, fd, as<v4l2_requestbuffers>(argument));
-    case VIDIOC_QUERYBUF:
-      return query_buffer(driver, as<v4l2_buffer>(argument));
-    case VIDIOC_QBUF:
-      return queue_buffer(driver, as<v4l2_buffer>(argument));
-    case VIDIOC_DQBUF:
-      return dequeue_buffer(driver, as<v4l2_buffer>(argument));
-    case VIDIOC_SUBSCRIBE_EVENT:
-      return 0;
-    case VIDIOC_DQEVENT:
-      return dequeue_event(driver, as<v4l2_event>(argument));
-    case VIDIOC_STREAMON:
-      if (driver.owner != fd) return -EINVAL;
-      driver.streaming = true;
-      driver.sequence = driver.is.first_sequence;
-      driver.next_ns = clocks_.now_ns() + driver.is.period_ns;
-      return 0;
-    case VIDIOC_STREAMOFF:
-      driver.streaming = driver.broken = false;
-      driver.queue.clear();
-      driver.done.clear();
-      return 0;
-    default:
-      return -ENOTTY;
-  }
-}
-
-int FakeKernel::query_cap(const Driver& driver, v4l2_capability& caps) const {
-  write_text(caps.card, driver.is.card);
-  write_text(caps.bus_info, driver.is.bus_info);
-  // As uvcvideo does: the device as a whole captures, whatever this node does.
-  caps.capabilities = driver.is.capabilities | V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_DEVICE_CAPS;
-  caps.device_caps = driver.is.capabilities;
-  return 0;
-}
-
-int FakeKernel::get_format(const Driver& driver, v4l2_format& format) const {
-  const FakeCamera& is = driver.is;
-  const uint32_t fourcc = driver.fourcc != 0 ? driver.fourcc : is.fourccs[0];
-  const auto size = static_cast<uint32_t>(is.jpeg.empty() ? is.stride * is.height : FakeCamera::kBytes);
-  const auto fill = [&](auto& pixels) {
-    pixels.width = static_cast<uint32_t>(is.width);
-    pixels.height = static_cast<uint32_t>(is.height);
-    pixels.pixelformat = fourcc;
-    pixels.field = V4L2_FIELD_NONE;
-  };
-  if (multiplanar(driver)) {
-    fill(format.fmt.pix_mp);
-    format.fmt.pix_mp.num_planes = 2;
-    format.fmt.pix_mp.plane_fmt[0].bytesperline = static_cast<uint32_t>(is.stride);
-    format.fmt.pix_mp.plane_fmt[0].sizeimage = size;
-  } else {
-    fill(format.fmt.pix);
-    format.fmt.pix.bytesperline = static_cast<uint32_t>(is.stride);
-    format.fmt.pix.sizeimage = size;
-  }
-  return 0;
-}
-
-int FakeKernel::set_format(Driver& driver, v4l2_format& format) {
-  const uint32_t type = multiplanar(driver) ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (format.type != type) return -EINVAL;
-  if (driver.allocated != 0) return -EBUSY;
-  const uint32_t wanted = multiplanar(driver) ? format.fmt.pix_mp.pixelformat : format.fmt.pix.pixelformat;
-  const auto& offered = driver.is.fourccs;
-  const bool has = std::find(offered.begin(), offered.end(), wanted) != offered.end();
-  driver.fourcc = has ? wanted : offered[0];
-  return get_format(driver, format);
-}
-
-int FakeKernel::rate(Driver& driver, v4l2_streamparm& rate, bool set) {
-  if (set && !driver.is.has_rate) return -ENOTTY;
-  v4l2_fract& period = rate.parm.capture.timeperframe;
-  if (set && period.denominator != 0)
-    driver.is.period_ns = period.numerator * int64_t{1'000'000'000} / period.denominator;
-  rate.parm.capture.capability = driver.is.has_rate ? V4L2_CAP_TIMEPERFRAME : 0;
-  period = {static_cast<uint32_t>(driver.is.period_ns), 1'000'000'000};
-  return 0;
-}
-
-int FakeKernel::query_control(const Driver& driver, v4l2_queryctrl& query) const {
-  const uint32_t after = query.id & ~V4L2_CTRL_FLAG_NEXT_CTRL;
-  const FakeCamera::Control* next = nullptr;
-  for (const FakeCamera::Control& control : driver.is.controls)
-    if (control.id > after && (next == nullptr || control.id < next->id)) next = &control;
-  if (next == nullptr) return -EINVAL;
-  query.id = next->id;
-  write_text(query.name, next->name);
-  return 0;
-}
-
-int FakeKernel::control(Driver& driver, v4l2_control& control, bool set) {
-  for (FakeCamera::Control& own : driver.is.controls) {
-    if (own.id != control.id) continue;
-    if (set) own.value = std::clamp(control.value, own.low, own.high);
-    control.value = own.value;
-    return 0;
-  }
-  return -EINVAL;
-}
-
-int FakeKernel::request_buffers(Driver& driver, int fd, v4l2_requestbuffers& request) {
-  if (driver.owner >= 0 && driver.owner != fd) return -EBUSY;
-  free_buffers(driver);
-  driver.allocated = std::min<uint32_t>(request.count, FakeCamera::kBuffers);
-  request.count = driver.allocated;
-  if (driver.allocated != 0) driver.owner = fd;
-  return 0;
-}
-
-int FakeKernel::query_buffer(const Driver& driver, v4l2_buffer& buffer) const {
-  if (buffer.index >= driver.allocated) return -EINVAL;
-  if (multiplanar(driver)) {
-    buffer.m.planes[0].length = FakeCamera::kBytes;
-    buffer.m.planes[0].m.mem_offset = buffer.index * FakeCamera::kBytes;
-  } else {
-    buffer.length = FakeCamera::kBytes;
-    buffer.m.offset = buffer.index * FakeCamera::kBytes;
-  }
-  return 0;
-}
-
-int FakeKernel::queue_buffer(Driver& driver, const v4l2_buffer& buffer) {
-  const auto& queue = driver.queue;
-  if (buffer.index >= driver.allocated) return -EINVAL;
-  const bool twice = std::find(queue.begin(), queue.end(), buffer.index) != queue.end();
-  if (twice || !driver.queue.push_back(buffer.index)) {
-    ++misuses_;
-    return -EINVAL;
-  }
-  return 0;
-}
-
-int FakeKernel::dequeue_buffer(Driver& driver, v4l2_buffer& buffer) {
-  if (driver.broken) return -EIO;
-  if (!driver.streaming) return -EINVAL;
-  if (driver.done.empty()) return -EAGAIN;
-  const Done done = pop_front(driver.done);
-  buffer.index = driver.is.returned_index >= 0 ? static_cast<uint32_t>(driver.is.returned_index) : done.index;
-  buffer.sequence = done.sequence;
-  buffer.flags = done.flags;
-  buffer.timestamp.tv_sec = done.stamp_ns / 1'000'000'000;
-  buffer.timestamp.tv_usec = done.stamp_ns % 1'000'000'000 / 1000;
-  if (multiplanar(driver)) {
-    buffer.m.planes[0].bytesused = done.bytes;
-    buffer.m.planes[0].data_offset = 0;
-  } else {
-    buffer.bytesused = done.bytes;
-  }
-  return 0;
-}
-
-int FakeKernel::dequeue_event(Driver& driver, v4l2_event& event) {
-  if (driver.events.empty()) return -ENOENT;
-  event.type = pop_front(driver.events);
-  return 0;
 }
 
 // Exposes all images up to a time.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -121,6 +122,8 @@ class FakeKernel final : public V4l2Kernel {
   int calls(FakeCall call) const { return counts_[static_cast<std::size_t>(call)]; }
   int open_descriptors() const;
   int mappings() const { return mappings_; }
+  /// Calls that the script made fail.
+  int failed() const { return failed_; }
   /// Things that no driver may do: unmapping what is not mapped, queueing a buffer twice, using a closed descriptor.
   int misuses() const { return misuses_; }
   FakeCamera& camera(int i) { return cameras_[static_cast<std::size_t>(i)].is; }
@@ -137,6 +140,14 @@ class FakeKernel final : public V4l2Kernel {
   int reset_usb_device(std::string_view device) override;
 
  private:
+  template <typename T, std::size_t kCapacity>
+  static T pop_front(FixedVector<T, kCapacity>& items) {
+    const T first = items[0];
+    std::copy(items.begin() + 1, items.end(), items.begin());
+    items.pop_back();
+    return first;
+  }
+
   struct Done {
     uint32_t index, sequence, flags, bytes;
     int64_t stamp_ns;
@@ -191,6 +202,7 @@ class FakeKernel final : public V4l2Kernel {
   const char* link_ = nullptr;
   int mappings_ = 0;
   int misuses_ = 0;
+  int failed_ = 0;
 };
 
 }  // namespace roomcal::drivers::test

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "drivers/v4l2/v4l2_image_source.h"
 #include "runtime/ports/log.h"
 #include "tests/drivers/v4l2/fake_kernel.h"
@@ -69,5 +71,12 @@ struct Rig {
  private:
   std::optional<V4l2ImageSource> source_;
 };
+
+inline void expect_all_given_back(Rig& rig) {
+  rig.drop();
+  EXPECT_EQ(rig.kernel.open_descriptors(), 0);
+  EXPECT_EQ(rig.kernel.mappings(), 0);
+  EXPECT_EQ(rig.kernel.misuses(), 0);
+}
 
 }  // namespace roomcal::drivers::test
