@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "drivers/image/luma.h"
+#include "drivers/image/start_status.h"
 #include "runtime/base/status.h"
 #include "runtime/base/time.h"
 #include "runtime/ports/image_source.h"
@@ -20,13 +21,18 @@ struct LibraryImage {
   uint32_t number = 0;                                  ///< counts up by one per image that the camera made, any start
   Stamp exposed;
   int64_t uncertainty_ns = 0;
-  int64_t arrived_ns = 0;  ///< monotonic
+  int64_t arrived_ns = 0;            ///< monotonic
+  int64_t latency_ns = 100'000'000;  ///< at most from the start of the exposure to the arrival; dates doubtful stamps
 };
 
 /// How a step of a library went.
 struct LibraryResult {
   ports::ImageFault fault = ports::ImageFault::kCount;  ///< kCount: it went well
   Status status;                                        ///< of `fault`, for start(): the thing and the remedy
+
+  LibraryResult() = default;
+  explicit LibraryResult(ports::ImageFault what) : fault(what), status(start_status(what)) {}
+  LibraryResult(ports::ImageFault what, StatusCode code, const char* detail) : fault(what), status(code, detail) {}
   bool ok() const { return fault == ports::ImageFault::kCount; }
 };
 
@@ -45,7 +51,8 @@ class LibraryCamera {
 
   /// What it is called in messages: "Aravis".
   virtual const char* library() const = 0;
-  /// Memory for the buffers, once, before the first open(). @return kOutOfMemory, kInvalidArgument.
+  /// Checks the options and takes memory for the buffers, once, before the first open().
+  /// @return kOutOfMemory; kUnsupported for options that cannot work.
   virtual Status reserve() = 0;
   /// Finds the camera by its key, opens, configures, starts to stream into all buffers.
   virtual LibraryResult open(Wake& wake) = 0;

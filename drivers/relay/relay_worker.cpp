@@ -13,8 +13,9 @@ using ports::ImageFault;
 namespace {
 
 constexpr int64_t kLookAfterNs = 1'000'000'000;
-// Aravis sizes its socket when it has seen the first packet of the first image, which is often torn by then.
-constexpr int kUnsettledImages = 3;
+// Whoever computes must not keep buffers from going back to the library. Without the right to it the thread is an
+// ordinary one.
+constexpr int kPriority = 5;
 
 }  // namespace
 
@@ -58,6 +59,7 @@ Status RelayWorker::launch() {
   ThreadOptions options;
   options.name = health_.who();
   options.stack_bytes = 1024 * 1024;  // the library's own calls: XML, XPath
+  options.fifo_priority = kPriority;
   return thread_.start(options, *this);
 }
 
@@ -192,8 +194,6 @@ void RelayWorker::step(const RecoveryOrder& order) {
 void RelayWorker::begun(const LibraryResult& result) {
   stamps_.restart();
   numbers_.restart();
-  settled_ = false;
-  unsettled_images_ = 0;
   if (!result.ok()) return fault(result.fault);
   const Lock lock(mutex_);
   recovery_.begun(now_ns());
@@ -210,7 +210,8 @@ void RelayWorker::reopen() {
   begun(result);
   const Lock lock(mutex_);
   health_.state(recovery_.state());
-  if (opened_once_) return health_.step(RecoveryStep::kReopen);
+  if (opened_once_ && (result.ok() || !is_absence(result.fault))) health_.step(RecoveryStep::kReopen);
+  if (opened_once_) return;
   opened_once_ = true;
   first_open_ = result.status;
   for_reader_.notify_all();
@@ -319,18 +320,22 @@ void RelayWorker::drain() {
 
 void RelayWorker::take_damaged(const LibraryImage& image) {
   camera_->give_back(image.slot);
-  if (!settled_ && image.fault == ImageFault::kShort && ++unsettled_images_ <= kUnsettledImages) return;
   fault(image.fault);
 }
 
 void RelayWorker::take_whole(const LibraryImage& image) {
-  settled_ = true;
   const SequenceCount::Step count = numbers_.next(image.number);
-  const Offer fresh{image,
-                    {image.exposed, image.uncertainty_ns, image.arrived_ns, count.sequence, count.lost_before,
-                     count.first_after_gap}};
-  const ImageFault doubt = stamps_.judge(image.exposed, clocks_.read(image.exposed.clock));
-  if (doubt != ImageFault::kCount) fault(doubt);
+  Offer fresh{image,
+              {image.exposed, image.uncertainty_ns, image.arrived_ns, count.sequence, count.lost_before,
+               count.first_after_gap}};
+  // The host has no clock of the camera's to compare with.
+  const ClockId clock = image.exposed.clock;
+  const ImageFault doubt = stamps_.judge(image.exposed, clock == ClockId::kDevice ? Stamp{} : clocks_.read(clock));
+  if (doubt != ImageFault::kCount) {
+    fault(doubt);
+    fresh.facts.uncertainty_ns = image.latency_ns / 2;
+    fresh.facts.exposed = {image.arrived_ns - fresh.facts.uncertainty_ns, ClockId::kMonotonic};
+  }
   const int superseded = offer(fresh);
   if (superseded >= 0) camera_->give_back(superseded);
 }

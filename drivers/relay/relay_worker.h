@@ -102,8 +102,6 @@ class RelayWorker final : public Thread::Body, public LibraryCamera::Wake {
   StampCheck stamps_;
   SequenceCount numbers_;
   bool open_ = false;
-  bool settled_ = false;  // a whole image has come since the stream began
-  int unsettled_images_ = 0;
   int64_t looked_after_ns_ = 0;
 
   std::atomic<int64_t> in_call_since_ns_{0};  // 0: the library has returned
