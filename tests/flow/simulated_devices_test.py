@@ -83,6 +83,12 @@ class SimulatedDevices(unittest.TestCase):
             self.assertNotEqual(first, second)
         self.assertTrue((shots[0] / "cam0.pgm").read_bytes().startswith(b"P5\n640 360\n255\n"))
 
+    def test_every_lidar_unit_meets_truth(self):
+        for unit in ("vlp32c", "xt32", "os0-32", "os1-64"):
+            shot = self.simulate("mobile_robot", unit, "--lidar", unit, "--sweeps", 1)
+            result, truth = self.calibrate(shot)
+            self.check(unit, result, truth, DEVICES["mobile_robot"][1])
+
     def test_same_seed_gives_the_same_files(self):
         first, second = (self.simulate("tls", name, "--tls-step", 2, "--seed", 3) for name in ("a", "b"))
         for file in ("cam0.png", "cam1.png", "lidar0.pcd", "truth.json", "nominal.json", "camchain.yaml"):

@@ -89,6 +89,12 @@ const PaperDevice& device_named(const std::string& name) {
   throw ToolError(fmt::format("--device {}: unknown; take one of {}", name, device_names()));
 }
 
+PaperDevice with_lidars(PaperDevice device, const std::string& unit) {
+  for (DeviceLidar& lidar : device.lidars)
+    if (!unit.empty() && lidar.unit != kTlsKind) lidar.unit = unit;
+  return device;
+}
+
 PaperDevice scaled(PaperDevice device, double scale) {
   for (DeviceCamera& camera : device.cameras) {
     camera::Intrinsics& lens = camera.nominal;

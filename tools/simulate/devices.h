@@ -13,9 +13,12 @@ struct DeviceCamera {
   camera::Intrinsics nominal;
 };
 
+/// A terrestrial scanner, a profiler that a servo turns over the whole sphere: a cloud instead of packets.
+inline constexpr const char* kTlsKind = "tls";
+
 struct DeviceLidar {
   std::string name;
-  std::string kind;  ///< as in device.yaml: "vlp16", or "tls", a profiler that a servo turns over the whole sphere
+  std::string unit;  ///< one of lidar_unit_names(), or kTlsKind
 };
 
 /// Mounting by the drawing, as the paper tabulates it: p_to = R p_from + t, R = Rz(c) Ry(b) Rx(a).
@@ -47,6 +50,9 @@ std::string device_names();
 
 /// @throws ToolError that lists the names.
 const PaperDevice& device_named(const std::string& name);
+
+/// The same device with other spinning LiDARs. @param unit  one of lidar_unit_names(); empty: as it is
+PaperDevice with_lidars(PaperDevice device, const std::string& unit);
 
 /// The same device with cameras of another resolution and the same field of view. @param scale  above 0
 PaperDevice scaled(PaperDevice device, double scale);

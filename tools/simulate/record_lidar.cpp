@@ -12,6 +12,8 @@ namespace roomcal::tools {
 
 namespace {
 
+constexpr uint64_t kBeginStream = 1U << 30;  // beyond all chunks
+
 RangeFlaws flaws_of(const TrueLidar& lidar, const LidarOptions& options) {
   RangeFlaws flaws;
   flaws.sigma_m = lidar.sigma_m;
@@ -20,11 +22,27 @@ RangeFlaws flaws_of(const TrueLidar& lidar, const LidarOptions& options) {
   return flaws;
 }
 
+std::vector<std::byte> bytes_of(const std::string& text) {
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
+}
+
+std::size_t returns_in(const std::vector<Echo>& echoes) {
+  return static_cast<std::size_t>(
+      std::count_if(echoes.begin(), echoes.end(), [](const Echo& echo) { return echo.range_m > 0; }));
+}
+
 LidarRecording record_tls(const EchoCaster& caster, const TrueLidar& lidar, const LidarOptions& options,
                           uint64_t seed) {
-  const LoadedSweep scan = scan_sphere(caster, lidar.T_room_lidar, options.tls_step_rad, flaws_of(lidar, options),
-                                       lidar.beam_offset_m.at(0), seed);
-  return {file_of(lidar), write_pcd({&scan, 1}), scan.points.size(), scan.points.size()};
+  const SphereScan scan = scan_sphere(caster, lidar.T_room_lidar, options.tls_step_rad, flaws_of(lidar, options),
+                                      lidar.beam_offset_m.at(0), seed);
+  const LoadedSweep cloud = cloud_of(scan);
+  LidarRecording recording{{{file_of(lidar), write_pcd({&cloud, 1})}}, scan.echoes.size(), returns_in(scan.echoes)};
+  if (options.tls_profiles) {
+    recording.files.push_back({lidar.name + "_profiles.pcap", profiles_pcap(scan)});
+    recording.files.push_back({lidar.name + "_servo.csv", bytes_of(servo_csv(scan))});
+  }
+  return recording;
 }
 
 std::vector<Echo> cast_firings(const EchoCaster& caster, const TrueLidar& lidar, const LidarUnit& unit,
@@ -49,15 +67,18 @@ std::vector<Echo> cast_firings(const EchoCaster& caster, const TrueLidar& lidar,
 
 }  // namespace
 
-std::string file_of(const TrueLidar& lidar) { return lidar.name + (lidar.kind == kTlsKind ? ".pcd" : ".pcap"); }
+std::string file_of(const TrueLidar& lidar) { return lidar.name + (lidar.unit == kTlsKind ? ".pcd" : ".pcap"); }
 
 LidarRecording record_lidar(const EchoCaster& caster, const TrueLidar& lidar, const LidarOptions& options,
                             uint64_t seed) {
-  if (lidar.kind == kTlsKind) return record_tls(caster, lidar, options, seed);
-  const std::unique_ptr<LidarUnit> unit = make_lidar_unit(lidar.kind, seed);
+  if (lidar.unit == kTlsKind) return record_tls(caster, lidar, options, seed);
+  const double first_turn = random_stream(seed, kBeginStream).uniform();
+  const std::unique_ptr<LidarUnit> unit = make_lidar_unit(lidar.unit, lidar.unit_seed, first_turn);
   const std::vector<Echo> echoes = cast_firings(caster, lidar, *unit, options, seed);
-  const auto returns = std::count_if(echoes.begin(), echoes.end(), [](const Echo& e) { return e.range_m > 0; });
-  return {file_of(lidar), unit->pcap(echoes), echoes.size(), static_cast<std::size_t>(returns)};
+  LidarRecording recording{{{file_of(lidar), unit->pcap(echoes)}}, echoes.size(), returns_in(echoes)};
+  const UnitFile unit_file = unit->unit_file();
+  if (!unit_file.text.empty()) recording.files.push_back({lidar.name + unit_file.extension, bytes_of(unit_file.text)});
+  return recording;
 }
 
 }  // namespace roomcal::tools

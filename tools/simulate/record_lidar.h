@@ -9,17 +9,23 @@
 
 namespace roomcal::tools {
 
+/// One file of a shot's folder.
+struct ShotFile {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+
 /// What a LiDAR leaves in a shot's folder.
 struct LidarRecording {
-  std::string file;              ///< its name there
-  std::vector<std::byte> bytes;  ///< and what it holds
+  std::vector<ShotFile> files;  ///< the sweeps first, as file_of() names them; then what their reader wants beside
   std::size_t firings = 0, returns = 0;
 };
 
 /// "lidar0.pcap", or pcd for a TLS.
 std::string file_of(const TrueLidar& lidar);
 
-/// Cost: about 2 us a firing, on all cores.
+/// Cost: about 1 us a firing, on all cores.
+/// @param seed  other seed, other noise and another begin of the recording
 LidarRecording record_lidar(const EchoCaster& caster, const TrueLidar& lidar, const LidarOptions& options,
                             uint64_t seed);
 

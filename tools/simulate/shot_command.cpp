@@ -13,6 +13,7 @@
 #include "tools/common/files.h"
 #include "tools/common/option_check.h"
 #include "tools/common/progress.h"
+#include "tools/simulate/lidar_unit.h"
 #include "tools/simulate/record_lidar.h"
 #include "tools/simulate/room_files.h"
 #include "tools/simulate/shot_files.h"
@@ -26,6 +27,7 @@ struct Arguments {
   PictureFormat format;
   std::string room;
   std::string device;
+  std::string lidar;
   std::filesystem::path folder;
   double scale = 1;
   double tls_step_deg = 0.5;
@@ -37,7 +39,7 @@ class ShotMaker {
  public:
   explicit ShotMaker(const Arguments& arguments)
       : arguments_(arguments),
-        device_(scaled(device_named(arguments.device), arguments.scale)),
+        device_(scaled(with_lidars(device_named(arguments.device), arguments.lidar), arguments.scale)),
         scene_(read_room(arguments.room)),
         stand_(place_device(scene_, device_, arguments.options)) {
     facts_.resize(static_cast<std::size_t>(std::max(1, arguments.shots)));
@@ -58,7 +60,7 @@ class ShotMaker {
       fmt::print("{}/{}: {} markers\n", folder(0).string(), stand_.cameras[i].name,
                  facts_[0].pictures[i].markers.size());
     for (const LidarRecording& recording : facts_[0].recordings)
-      fmt::print("{}/{}: {} returns of {} firings\n", folder(0).string(), recording.file, recording.returns,
+      fmt::print("{}/{}: {} returns of {} firings\n", folder(0).string(), recording.files[0].name, recording.returns,
                  recording.firings);
     if (facts_.size() > 1) fmt::print("and {} more shots like that\n", facts_.size() - 1);
   }
@@ -86,8 +88,10 @@ class ShotMaker {
       LidarRecording recording = record_lidar(caster, stand_.lidars[lidar], arguments_.options.lidar,
                                               seed(shot, stand_.cameras.size() + lidar));
       make_folder(folder(shot));
-      write_atomic(folder(shot) / recording.file, recording.bytes);
-      recording.bytes = {};
+      for (ShotFile& file : recording.files) {
+        write_atomic(folder(shot) / file.name, file.bytes);
+        file.bytes = {};
+      }
       facts_[shot].recordings.push_back(std::move(recording));
     }
   }
@@ -133,14 +137,14 @@ void add_camera_options(CLI::App& shot, Arguments& arguments) {
 
 void add_lidar_options(CLI::App& shot, Arguments& arguments) {
   LidarOptions& options = arguments.options.lidar;
+  shot.add_option("--lidar", arguments.lidar, "all spinning LiDARs are one of " + lidar_unit_names());
   shot.add_option("--sweeps", options.sweeps, "whole turns of every LiDAR")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   shot.add_option("--lidar-noise", options.sigma_m, "sigma of a range, m; default: typical of the LiDAR")
       ->check(number_between(0.0, 1.0, "m"));
-  shot.add_option("--lidar-bias", options.bias_sigma_m, "sigma of what each laser is off by, m")
-      ->check(number_between(0.0, 1.0, "m"))
-      ->capture_default_str();
+  shot.add_option("--lidar-bias", options.bias_sigma_m, "sigma of what each laser is off by, m; default: typical")
+      ->check(number_between(0.0, 1.0, "m"));
   shot.add_option("--dropout", options.dropout, "share of firings without a return")
       ->check(number_between(0.0, 1.0))
       ->capture_default_str();
@@ -148,6 +152,7 @@ void add_lidar_options(CLI::App& shot, Arguments& arguments) {
   shot.add_option("--tls-step", arguments.tls_step_deg, "of the terrestrial scanner, degrees; the paper's: 0.13")
       ->check(number_between(0.02, 5.0, "degrees"))
       ->capture_default_str();
+  shot.add_flag("--tls-profiles", options.tls_profiles, "also its profiler's packets (R2000) and its servo's angles");
 }
 
 }  // namespace

@@ -97,11 +97,12 @@ json truth_of_picture(const TrueCamera& camera, const Picture& picture, const Sh
 
 json truth_of_lidar(const TrueLidar& lidar, const LidarRecording& recording, const LidarOptions& options) {
   json node = {{"kind", lidar.kind},
+               {"unit", lidar.unit},
                {"sigma_m", lidar.sigma_m},
                {"dropout", options.dropout},
                {"mixed_pixels", options.mixed_pixels},
                {"returns", recording.returns}};
-  if (lidar.kind == kTlsKind) {
+  if (lidar.unit == kTlsKind) {
     node["step_deg"] = rad_to_deg(options.tls_step_rad);
   } else {
     node["spins"] = options.sweeps;

@@ -7,16 +7,14 @@
 
 namespace roomcal::tools {
 
-/// A terrestrial scanner's LiDAR: a cloud instead of packets.
-inline constexpr const char* kTlsKind = "tls";
-
 struct LidarOptions {
-  int sweeps = 10;                        ///< whole turns in a recording
-  std::optional<double> sigma_m = {};     ///< of one range; none: typical of its kind
-  double bias_sigma_m = 0.005;            ///< of what each laser of a unit is off by
-  double dropout = 0;                     ///< share of firings without a return
-  bool mixed_pixels = false;              ///< beams that are cut by an edge return something between
-  double tls_step_rad = deg_to_rad(0.5);  ///< of servo and profiler
+  int sweeps = 10;                          ///< whole turns in a recording
+  std::optional<double> sigma_m = {};       ///< of one range; none: typical of its kind
+  std::optional<double> bias_sigma_m = {};  ///< of what each laser of a unit is off by; none: typical
+  double dropout = 0;                       ///< share of firings without a return
+  bool mixed_pixels = false;                ///< beams that are cut by an edge return something between
+  double tls_step_rad = deg_to_rad(0.5);    ///< of servo and profiler
+  bool tls_profiles = false;                ///< also the profiler's own packets and the servo's angles
 };
 
 struct ShotOptions {

@@ -70,16 +70,19 @@ SE3 draw_place(const Scene& scene, const PaperDevice& device, Random& random) {
 }
 
 TrueLidar draw_lidar(const DeviceLidar& lidar, const LidarOptions& options, Random& random) {
-  TrueLidar drawn{lidar.name, lidar.kind, {}, 0, {}};
-  if (lidar.kind == kTlsKind) {
+  TrueLidar drawn{.name = lidar.name, .unit = lidar.unit, .kind = kTlsKind};
+  if (lidar.unit == kTlsKind) {
     drawn.sigma_m = options.sigma_m.value_or(kTlsSigma_m);
     drawn.beam_offset_m = {0};  // a scanner of one beam is calibrated by its maker
     return drawn;
   }
-  const std::unique_ptr<LidarUnit> unit = make_lidar_unit(lidar.kind, 0);
-  drawn.sigma_m = options.sigma_m.value_or(unit->sigma_m());
+  drawn.unit_seed = random.bits();
+  const std::unique_ptr<LidarUnit> unit = make_lidar_unit(lidar.unit, drawn.unit_seed, 0);
+  drawn.kind = unit->model();
+  drawn.sigma_m = options.sigma_m.value_or(unit->spread().sigma_m);
+  const double bias_sigma_m = options.bias_sigma_m.value_or(unit->spread().bias_sigma_m);
   for (std::size_t beam = 0; beam < unit->beams(); ++beam)
-    drawn.beam_offset_m.push_back(options.bias_sigma_m * random.normal());
+    drawn.beam_offset_m.push_back(bias_sigma_m * random.normal());
   return drawn;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,10 +23,12 @@ struct TrueCamera {
 /// One LiDAR of the device as it truly is.
 struct TrueLidar {
   std::string name;
-  std::string kind;
-  SE3 T_room_lidar;
+  std::string unit;  ///< as in DeviceLidar
+  std::string kind;  ///< as in device.yaml
+  uint64_t unit_seed = 0;
+  SE3 T_room_lidar = {};
   double sigma_m = 0;
-  std::vector<double> beam_offset_m;  ///< measured = true + offset; one for each laser
+  std::vector<double> beam_offset_m = {};  ///< measured = true + offset; one for each laser
 };
 
 /// What the truth file says of how an edge was mounted: T_to_from = [exp(rotvec) R_nominal | t_nominal + dt].

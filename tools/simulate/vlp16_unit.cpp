@@ -8,9 +8,8 @@ namespace {
 constexpr int64_t kHour_ns = 3'600'000'000'000;
 }
 
-Vlp16Unit::Vlp16Unit(double first_azimuth_rad)
-    : calibration_(lidar::built_in_calibration(lidar::Model::kVlp16).value()) {
-  stream_.first_azimuth_rad = first_azimuth_rad;
+Vlp16Unit::Vlp16Unit(double first_turn) : calibration_(lidar::built_in_calibration(lidar::Model::kVlp16).value()) {
+  stream_.first_azimuth_rad = 2 * kPi * first_turn;
   stream_.first_ns = kRecordingStart_ns % kHour_ns;
 }
 

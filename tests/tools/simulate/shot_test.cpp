@@ -68,7 +68,7 @@ TEST_F(ShotFiles, SmallDevice_WritesAllAndTruthFits) {
     pictures.push_back(take_picture(lit, stand.cameras[i], options, i));
     write_picture(pictures.back(), stand.cameras[i].name, {}, folder_);
   }
-  facts.recordings.push_back({"lidar0.pcap", {}, 10, 9});
+  facts.recordings.push_back({{{"lidar0.pcap", {}}}, 10, 9});
   write_shot_facts(scene, stand, facts, options, folder_);
 
   const auto truth = nlohmann::json::parse(read_text(folder_ / "truth.json"));
