@@ -29,19 +29,30 @@ double squared_miss(const camera::Camera& camera, const SE3& T_room_cam, const M
   return at.residual_px.dot(cov.ldlt().solve(at.residual_px));
 }
 
-/// Misses of all held-out rings. @return how many were written.
-std::size_t predict(const Session& session, const Outcome& outcome, const rig::RigSolution& kept,
-                    std::span<double> misses) {
+/// Typical miss in predicted sigmas; reorders the squares.
+double typical(std::span<double> squares) {
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle / kMedianOfSquare);
+}
+
+/// Squared misses of all held-out rings, and the camera that misses most. @return how many were written.
+std::size_t predict(const Session& session, const rig::RigSolution& kept, std::span<double> misses, Outcome& outcome) {
   std::size_t count = 0;
+  double worst = -1;
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     const CameraOutcome& camera = outcome.cameras[i];
     if (!camera.located) continue;
+    const std::size_t first = count;
     const Mat66 cov_pose = kept.cov_block(camera.view, camera.view);
     for (const rig::RingObservation& ring : camera.rings.subspan(camera.kept_rings)) {
       const double miss = squared_miss(session.device.cameras[i].camera, kept.T_room_sensor[camera.view], cov_pose,
                                        ring, outcome.landmarks[ring.landmark], session.sigma_floor_px);
       if (miss >= 0) misses[count++] = miss;
     }
+    const double own = count > first ? typical(misses.subspan(first, count - first)) : -1;
+    if (own > worst) outcome.held_out.worst_camera = camera.name;
+    worst = std::max(worst, own);
   }
   return count;
 }
@@ -78,11 +89,8 @@ Status predict_held_out(const Session& session, Arenas& arenas, Outcome& outcome
   if (!status.ok()) return ok_status();  // four fifths do not determine what all do: the covariance says so already
   const std::span<double> misses = arenas.step.allocate<double>(held_out);
   if (misses.empty()) return out_of_arena("step arena: no room for held-out markers: reserve plan_memory()");
-  const std::size_t count = predict(session, outcome, kept, misses);
-  if (count == 0) return ok_status();
-  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(misses.begin(), middle, misses.begin() + static_cast<std::ptrdiff_t>(count));
-  outcome.held_out = {count, std::sqrt(*middle / kMedianOfSquare)};
+  outcome.held_out.markers = predict(session, kept, misses, outcome);
+  if (outcome.held_out.markers > 0) outcome.held_out.median_sigmas = typical(misses.first(outcome.held_out.markers));
   return ok_status();
 }
 

@@ -6,12 +6,16 @@ namespace roomcal::calib {
 
 namespace {
 
+bool beyond(const scan::WeakDirection& weak, const Limits& limits) {
+  return weak.sigma > (weak.rotation ? limits.max_sigma_rot_rad : limits.max_sigma_t_m);
+}
+
 /// Names the directions beyond the limits of an extrinsic. @return whether there is any.
 bool judge_weak(const LidarOutcome& lidar, const Limits& limits, Judgement& judgement) {
   const Name name(lidar.name);
   bool any = false;
   for (const scan::WeakDirection& weak : lidar.location.weak) {
-    if (weak.sigma <= (weak.rotation ? limits.max_sigma_rot_rad : limits.max_sigma_t_m)) continue;
+    if (!beyond(weak, limits)) continue;
     any = true;
     const FixedText<96> what = scan::describe(weak);
     judgement.add(lidar.mount_took_part ? Verdict::kPassAdvise : Verdict::kFailRetry,
@@ -42,15 +46,26 @@ void judge_beams(const LidarSpec& spec, const LidarOutcome& lidar, const Limits&
   }
 }
 
+/// The covariance of an extrinsic without the directions that were named: those carry the mounting's.
+Mat66 covariance_of_the_rest(const LidarOutcome& lidar, const Limits& limits) {
+  Mat66 seen = Mat66::Identity();
+  for (const scan::WeakDirection& weak : lidar.location.weak) {
+    if (!beyond(weak, limits)) continue;
+    const Vec3 axis_lidar = lidar.T_room_lidar.R.transpose() * weak.axis_room;
+    seen.block<3, 3>(weak.rotation ? 3 : 0, weak.rotation ? 3 : 0) -= axis_lidar * axis_lidar.transpose();
+  }
+  return seen * lidar.cov_rig_lidar * seen.transpose();
+}
+
 }  // namespace
 
 void judge_lidar(const LidarSpec& spec, const LidarOutcome& lidar, const Limits& limits, Judgement& judgement) {
-  if (!lidar.located) return judgement.add(Verdict::kFailRetry, lidar.failure);
+  if (!lidar.located) return judgement.add(lidar.failure_verdict, lidar.failure);
   judge_sweeps(lidar, judgement);
   judge_beams(spec, lidar, limits, judgement);
   const bool weak = judge_weak(lidar, limits, judgement);
   if (!lidar.in_rig) return;
-  if (!weak) judge_covariance(lidar.name, lidar.cov_rig_lidar, limits, judgement);
+  judge_covariance(lidar.name, weak ? covariance_of_the_rest(lidar, limits) : lidar.cov_rig_lidar, limits, judgement);
   judge_mounting(lidar.name, spec.nominal, lidar.T_rig_lidar, limits, judgement);
 }
 

@@ -19,7 +19,7 @@ CameraOutcome& add_camera(const CameraSpec& spec, Outcome& outcome) {
 void preflight_lidars(const Session& session, std::span<const Sweeps> sweeps, Outcome& outcome) {
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     static_cast<void>(outcome.lidars.push_back({}));  // as many as the device's, same capacity
-    check_sweeps(session.device.lidars[i], sweeps[i], outcome.lidars.back());
+    check_sweeps(session.device.lidars[i], sweeps[i], session.limits, outcome.lidars.back());
   }
 }
 
@@ -50,8 +50,11 @@ void explain(const CameraSpec& spec, std::span<pose::Observation> observations, 
 Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraOutcome& camera) {
   const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
   for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
+  pose::LocateOptions options;
+  options.min_inliers = static_cast<int>(session.limits.min_inliers);
+  options.min_log_likelihood_gap = session.limits.min_log_likelihood_gap;
   pose::CameraLocation location;
-  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index, {},
+  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index, options,
                                             arenas.step, arenas.scratch, location);
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) {

@@ -8,6 +8,9 @@ namespace roomcal::calib {
 
 namespace {
 
+/// Of the horizon that a LiDAR must see, the share that must fit the room: people and furniture hide the rest.
+constexpr double kFitting = 0.8;
+
 Mat66 mounting_cov(const NominalMounting& mounting) {
   Vec6 variance;
   variance.head<3>().setConstant(mounting.sigma_t_m * mounting.sigma_t_m);
@@ -73,8 +76,9 @@ Status locate_one(const Session& session, std::size_t i, const Sweeps& sweeps, c
   const std::span<scan::Location> alone = arenas.step.allocate<scan::Location>(1);
   if (alone.empty()) return out_of_arena("step arena: no room for a LiDAR's location: reserve plan_memory()");
   ROOMCAL_TRY(locate_sweeps(session, i, sweeps, nullptr, arenas, alone[0]));
-  if (alone[0].outcome == scan::LocateOutcome::kLocated)
-    lidar.failure = disagreement(lidar.name, prior, alone[0].T_room_lidar);
+  if (alone[0].outcome != scan::LocateOutcome::kLocated) return ok_status();
+  lidar.failure = disagreement(lidar.name, prior, alone[0].T_room_lidar);
+  lidar.failure_verdict = Verdict::kFailService;
   return ok_status();
 }
 
@@ -88,7 +92,9 @@ Status locate_sweeps(const Session& session, std::size_t lidar, const Sweeps& sw
   std::size_t count = 0;
   for (const lidar::Sweep& sweep : sweeps)
     if (usable(sweep) && count < clean.size()) clean[count++] = sweep;
-  return scan::locate(*session.surface, clean.first(count), session.device.lidars[lidar].ranges, prior, {},
+  scan::LocateOptions options;
+  options.accept.min_azimuth = kFitting * session.limits.min_horizon;
+  return scan::locate(*session.surface, clean.first(count), session.device.lidars[lidar].ranges, prior, options,
                       arenas.scratch, location);
 }
 

@@ -55,21 +55,23 @@ struct LidarOutcome {
   std::size_t used_sweeps = 0;  ///< of these, without a flag
   uint32_t flags = 0;           ///< of all that came, bits of lidar::SweepFlag
   bool located = false;
-  bool in_rig = false;                  ///< located, and so is the reference: T_rig_lidar is valid
-  bool had_prior = false;               ///< from located cameras and the nominal mounting
-  bool mount_took_part = false;         ///< the mounting carries what the sweep does not see
-  SE3 T_rig_lidar;                      ///< after the joint solution
-  SE3 T_room_lidar;                     ///< after the joint solution
-  Mat66 cov_rig_lidar = Mat66::Zero();  ///< of T_rig_lidar, right perturbation (m, rad)
-  scan::Location location;              ///< as the sweep alone tells: weak directions, beam offsets, shares
-  std::size_t sensor = 0;               ///< number in `solution`, if located
-  Reason failure;                       ///< why not located; empty otherwise
+  bool in_rig = false;                            ///< located, and so is the reference: T_rig_lidar is valid
+  bool had_prior = false;                         ///< from located cameras and the nominal mounting
+  bool mount_took_part = false;                   ///< the mounting carries what the sweep does not see
+  SE3 T_rig_lidar;                                ///< after the joint solution
+  SE3 T_room_lidar;                               ///< after the joint solution
+  Mat66 cov_rig_lidar = Mat66::Zero();            ///< of T_rig_lidar, right perturbation (m, rad)
+  scan::Location location;                        ///< as the sweep alone tells: weak directions, beam offsets, shares
+  std::size_t sensor = 0;                         ///< number in `solution`, if located
+  Reason failure;                                 ///< why not located; empty otherwise
+  Verdict failure_verdict = Verdict::kFailRetry;  ///< what `failure` asks for
 };
 
 /// The fifth of the markers that took no part in a second solution, against where that one puts them.
 struct HeldOut {
   std::size_t markers = 0;   ///< observations that were predicted
   double median_sigmas = 0;  ///< typical miss in units of its predicted sigma; 1 if everything is as it claims
+  SensorName worst_camera;   ///< whose own typical miss is the largest
 };
 
 /// One sensor of the installed record against this shot.
@@ -83,9 +85,9 @@ struct SensorChange {
 
 /// The installed record against this shot.
 struct InstalledCheck {
-  bool done = false;
-  FixedVector<SensorChange, kMaxSensors> sensors;
-  double p_value = 1;  ///< that nothing has moved, all sensors
+  bool done = false;                               ///< the reference and another sensor could be compared
+  FixedVector<SensorChange, kMaxSensors> sensors;  ///< of the record; empty: there is none
+  double p_value = 1;                              ///< that nothing has moved, all sensors
   bool moved = false;
   SensorName moved_sensor;  ///< that explains the differences best; empty unless `moved`
 };

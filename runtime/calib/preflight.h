@@ -5,6 +5,7 @@
 #include "runtime/base/fixed_text.h"
 #include "runtime/base/span2d.h"
 #include "runtime/calib/device.h"
+#include "runtime/calib/limits.h"
 #include "runtime/calib/outcome.h"
 #include "runtime/lidar/sweep.h"
 
@@ -21,8 +22,9 @@ Reason check_image(const CameraSpec& camera, ImageView image);
 bool usable(const lidar::Sweep& sweep);
 
 /// The same for a LiDAR's sweeps: fills name, counts, flags, and the failure (no sweep, none without flags, almost no
-/// returns, a large part of the horizon without any).
+/// returns, less of the horizon with any than Limits::min_horizon).
 /// Cost: some 4000 points are read, whatever the sweeps.
-void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, LidarOutcome& outcome);
+void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, const Limits& limits,
+                  LidarOutcome& outcome);
 
 }  // namespace roomcal::calib

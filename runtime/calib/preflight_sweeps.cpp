@@ -10,8 +10,6 @@ namespace roomcal::calib {
 namespace {
 
 constexpr std::size_t kSectors = 36;
-// Half of the horizon without a return from beyond the sensor's least range: no room looks like that.
-constexpr std::size_t kMinSectors = 18;
 constexpr std::size_t kMinPoints = 200;
 constexpr std::size_t kLooks = 4000;
 
@@ -49,7 +47,8 @@ const char* why_unusable(uint32_t flags) {
 
 bool usable(const lidar::Sweep& sweep) { return (sweep.flags & ~static_cast<uint32_t>(lidar::kSweepDuplicates)) == 0; }
 
-void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, LidarOutcome& outcome) {
+void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, const Limits& limits,
+                  LidarOutcome& outcome) {
   outcome.name = lidar.name;
   outcome.sweeps = sweeps.size();
   const int n = static_cast<int>(lidar.name.view().size());
@@ -75,9 +74,10 @@ void check_sweeps(const LidarSpec& lidar, std::span<const lidar::Sweep> sweeps, 
   if (view.usable_points < kMinPoints)
     outcome.failure = make_reason("%.*s: only %zu returns in a sweep: is it running, and its window clean?", n, s,
                                   view.usable_points);
-  else if (view.sectors < kMinSectors)
-    outcome.failure = make_reason("%.*s: %zu degrees of its horizon are blocked: clear its view", n, s,
-                                  10 * (kSectors - view.sectors));
+  else if (static_cast<double>(view.sectors) < limits.min_horizon * static_cast<double>(kSectors))
+    outcome.failure = make_reason(
+        "%.*s: %zu degrees of its horizon are blocked: clear its view, or set min_horizon if the device blocks it", n,
+        s, 10 * (kSectors - view.sectors));
 }
 
 }  // namespace roomcal::calib

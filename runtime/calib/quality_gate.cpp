@@ -37,27 +37,63 @@ void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement
                               name.length, name.text, 100 * camera.coverage));
 }
 
+/// The camera whose rings fit worst, for whom to look at first.
+SensorName worst_fitting(const Outcome& outcome) {
+  SensorName worst;
+  double most = -1;
+  for (const CameraOutcome& camera : outcome.cameras) {
+    if (!camera.located || camera.rings.empty()) continue;
+    const double ratio = outcome.solution.chi2_camera[camera.view] / static_cast<double>(camera.rings.size());
+    if (ratio <= most) continue;
+    most = ratio;
+    worst = camera.name;
+  }
+  return worst;
+}
+
 void judge_fit(const Outcome& outcome, const Limits& limits, Judgement& judgement) {
   if (outcome.solution.degrees_of_freedom <= 0) return;
   const double ratio = outcome.solution.chi2 / outcome.solution.degrees_of_freedom;
+  if (ratio <= limits.advise_chi2_per_dof) return;
+  const SensorName worst = worst_fitting(outcome);
+  const Name name(worst);
   if (!(ratio <= limits.max_chi2_per_dof))  // NaN too
-    judgement.add(Verdict::kFailService, make_reason("joint fit: chi2 per degree of freedom is %.1f (limit %.1f): "
-                                                     "check the intrinsics, the map, and that nothing moved",
-                                                     ratio, limits.max_chi2_per_dof));
-  else if (ratio > limits.advise_chi2_per_dof)
-    judgement.add(Verdict::kPassAdvise, make_reason("joint fit: chi2 per degree of freedom is %.1f (1 is clean): the "
-                                                    "intrinsics or the map are worse than they claim",
-                                                    ratio));
+    judgement.add(Verdict::kFailService,
+                  make_reason("%.*s: fits worst of a joint solution with chi2 per degree of freedom of %.1f (limit "
+                              "%.1f): check its intrinsics, the map, and that nothing moved",
+                              name.length, name.text, ratio, limits.max_chi2_per_dof));
+  else
+    judgement.add(Verdict::kPassAdvise,
+                  make_reason("%.*s: fits worst of a joint solution with chi2 per degree of freedom of %.1f (1 is "
+                              "clean): its intrinsics or the map are worse than they claim",
+                              name.length, name.text, ratio));
 }
 
 void judge_held_out(const HeldOut& held_out, const Limits& limits, Judgement& judgement) {
   if (held_out.markers == 0 || held_out.median_sigmas <= limits.advise_held_out_sigmas) return;
   const bool fail = held_out.median_sigmas > limits.max_held_out_sigmas;
-  judgement.add(
-      fail ? Verdict::kFailService : Verdict::kPassAdvise,
-      make_reason("held-out markers: %zu of them are missed by %.1f sigma (1 is clean): check the map and the "
-                  "intrinsics",
-                  held_out.markers, held_out.median_sigmas));
+  const Name name(held_out.worst_camera);
+  judgement.add(fail ? Verdict::kFailService : Verdict::kPassAdvise,
+                make_reason("%.*s: is worst of %zu held-out markers missed by %.1f sigma (1 is clean): check its "
+                            "intrinsics and the map",
+                            name.length, name.text, held_out.markers, held_out.median_sigmas));
+}
+
+bool is_of(const Device& device, const SensorName& name) {
+  const auto same = [&](const auto& spec) { return spec.name.view() == name.view(); };
+  return std::any_of(device.cameras.begin(), device.cameras.end(), same) ||
+         std::any_of(device.lidars.begin(), device.lidars.end(), same);
+}
+
+/// What of the installed record could not be compared; a sensor that was not located has its own reason.
+void judge_missing(const InstalledCheck& installed, const Device& device, Judgement& judgement) {
+  for (const SensorChange& sensor : installed.sensors) {
+    if (sensor.comparable || is_of(device, sensor.name)) continue;
+    const Name name(sensor.name);
+    judgement.add(Verdict::kPassAdvise,
+                  make_reason("%.*s: is in the installed record but not in this device: is it this device's record?",
+                              name.length, name.text));
+  }
 }
 
 void judge_installed(const InstalledCheck& installed, Judgement& judgement) {
@@ -89,6 +125,7 @@ void judge(const Device& device, const Limits& limits, Outcome& outcome) {
     judge_lidar(device.lidars[i], outcome.lidars[i], limits, judgement);
   judge_fit(outcome, limits, judgement);
   judge_held_out(outcome.held_out, limits, judgement);
+  judge_missing(outcome.installed, device, judgement);
   judge_installed(outcome.installed, judgement);
 }
 

@@ -135,6 +135,7 @@ Result<bool> relinearize(const Session& session, std::span<const Sweeps> sweeps,
     const Name who(lidar.name);
     lidar.failure =
         make_reason("%.*s: cameras and sweep do not agree on where it is: check its bracket", who.length, who.text);
+    lidar.failure_verdict = Verdict::kFailService;
   }
   return changed;
 }

@@ -100,7 +100,8 @@ Status locate_camera(const camera::Camera& camera, std::span<const Observation> 
   SightSet set;
   ROOMCAL_TRY(make_sights(camera, observations, options.gate_px, scratch, set));
   const std::size_t n = set.sights.size();
-  if (n < needed) return {StatusCode::kTooFew, "too few markers inside the camera model's valid field"};
+  if (n < needed)
+    return {StatusCode::kTooFew, "too few markers inside the camera model's valid field: are these its intrinsics?"};
 
   const std::span<Vec3> bearing_cam = scratch.allocate<Vec3>(n);
   const std::span<uint16_t> marker_of_sight = scratch.allocate<uint16_t>(n);
@@ -109,7 +110,8 @@ Status locate_camera(const camera::Camera& camera, std::span<const Observation> 
   for (std::size_t i = 0; i < n; ++i) bearing_cam[i] = set.sights[i].bearing_cam;
   std::span<Triple> triangles;
   ROOMCAL_TRY(image_triangles(bearing_cam, {}, scratch, triangles));
-  if (triangles.empty()) return {StatusCode::kDegenerate, "the markers in view lie on one line"};
+  if (triangles.empty())
+    return {StatusCode::kDegenerate, "the markers in view lie on one line: turn the device or add markers"};
 
   const Matcher matcher(set, index);
   PoseSearch search(matcher, options, n, triangles, marker_of_sight, work);

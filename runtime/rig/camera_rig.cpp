@@ -17,8 +17,9 @@ Status allocate_solution(std::size_t sensors, Arena& step, RigSolution& solution
   solution.cov_room = step.allocate<double>(36 * sensors * sensors);
   solution.rms_px = step.allocate<double>(sensors);
   solution.outliers = step.allocate<uint16_t>(sensors);
+  solution.chi2_camera = step.allocate<double>(sensors);
   if (solution.T_room_sensor.empty() || solution.cov_room.empty() || solution.rms_px.empty() ||
-      solution.outliers.empty())
+      solution.outliers.empty() || solution.chi2_camera.empty())
     return out_of_arena("step arena: no room for the joint solution: reserve solve_step_bytes()");
   return ok_status();
 }
@@ -43,6 +44,7 @@ void fill_residuals(const JointProblem& problem, RigSolution& solution) {
         continue;
       }
       solution.chi2 += term.r.squaredNorm();
+      solution.chi2_camera[v] += term.r.squaredNorm();
       ++inliers;
     }
     solution.rms_px[v] = seen == 0 ? 0 : std::sqrt(sum_px2 / static_cast<double>(seen));
@@ -81,8 +83,8 @@ std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, s
 }
 
 std::size_t solve_step_bytes(std::size_t sensors) {
-  return sensors * (sizeof(SE3) + sizeof(double) + sizeof(uint16_t)) + 36 * sensors * sensors * sizeof(double) +
-         4 * alignof(double);
+  return sensors * (sizeof(SE3) + 2 * sizeof(double) + sizeof(uint16_t)) + 36 * sensors * sensors * sizeof(double) +
+         5 * alignof(double);
 }
 
 Status solve_cameras(std::span<const CameraView> views, std::span<const Landmark> landmarks,

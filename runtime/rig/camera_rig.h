@@ -83,10 +83,11 @@ struct RigSolution {
   /// Joint covariance of all poses, 6n x 6n row-major, right perturbations (m, rad). Predicted from the inputs'
   /// covariances and the robust weights, not scaled by the residuals: chi2 says whether to believe it.
   std::span<double> cov_room;
-  std::span<double> rms_px;      ///< per camera, all observations, after the fit
-  std::span<uint16_t> outliers;  ///< per camera, observations that the robust loss has put aside
-  double chi2 = 0;               ///< whitened squares of the inliers' residuals and of the map prior, after the fit
-  int degrees_of_freedom = 0;    ///< 2 x inliers - 6 x cameras: the expectation of chi2 if all covariances are true
+  std::span<double> rms_px;       ///< per camera, all observations, after the fit
+  std::span<uint16_t> outliers;   ///< per camera, observations that the robust loss has put aside
+  std::span<double> chi2_camera;  ///< per camera, whitened squares of its inliers' residuals
+  double chi2 = 0;                ///< whitened squares of the inliers' residuals and of the map prior, after the fit
+  int degrees_of_freedom = 0;     ///< 2 x inliers - 6 x cameras: the expectation of chi2 if all covariances are true
   int iterations = 0;
   StopReason stop = StopReason::kMaxIterations;
 

@@ -45,7 +45,7 @@ struct Options {
 /// A finished run.
 struct Finished {
   calib::Verdict verdict = calib::Verdict::kFailService;
-  bool moved = false;
+  bool unmoved = false;  ///< compared with the installed record, and nothing has moved
 };
 
 template <typename T>
@@ -102,8 +102,8 @@ class ArmedDevice {
     arenas_.permanent.seal();
   }
 
-  calib::Session session(const calib::Device& device, const map::RoomMap& map) const {
-    return {.device = device, .map = map, .index = index_, .limits = {}, .surface = &surface_};
+  calib::Session session(const calib::Device& device, const map::RoomMap& map, const calib::Limits& limits) const {
+    return {.device = device, .map = map, .index = index_, .limits = limits, .surface = &surface_};
   }
   Arenas& arenas() { return arenas_; }
 
@@ -126,12 +126,12 @@ Finished run(const Options& options) {
     installed = std::make_unique<store::Record>(read_installed(options.installed_file));
 
   ArmedDevice armed(*device, loaded.map, options.map_file);
-  calib::Session session = armed.session(*device, loaded.map);
+  calib::Session session = armed.session(*device, loaded.map, description.limits);
   session.installed = installed.get();
   const auto outcome = std::make_unique<calib::Outcome>();
   require(calib::calibrate(session, shot.shot(), SteadyClock(), armed.arenas(), *outcome), options.shot_folder);
   report(options, *device, loaded.map, folder, *outcome, armed.arenas().peak());
-  return {outcome->verdict, outcome->installed.moved};
+  return {outcome->verdict, outcome->installed.done && !outcome->installed.moved};
 }
 
 void add_common_options(CLI::App& command, Options& options) {
@@ -167,7 +167,7 @@ void add_verify_command(CLI::App& app, int& exit_code) {
   command->add_option("--installed", options->installed_file, "record (or result, *.json) in force")->required();
   command->callback([options, &exit_code] {
     const Finished finished = run(*options);
-    exit_code = calib::may_write(finished.verdict) && !finished.moved ? 0 : 2;
+    exit_code = calib::may_write(finished.verdict) && finished.unmoved ? 0 : 2;
   });
 }
 

@@ -106,7 +106,7 @@ YAML::Node YamlText::field(const YAML::Node& map, const std::string& key) const 
   return value;
 }
 
-void YamlText::allow_keys(const YAML::Node& map, std::initializer_list<std::string_view> known,
+void YamlText::allow_keys(const YAML::Node& map, std::span<const std::string_view> known,
                           const std::string& what) const {
   if (!map.IsMap()) fail(map, what + ": expected `key: value` lines");
   std::set<std::string> seen;

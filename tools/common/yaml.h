@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,10 @@ class YamlText {
   /// The value of a key that must be there.
   YAML::Node field(const YAML::Node& map, const std::string& key) const;
   /// Refuses keys that are not in `known`, twice the same key, and anything that is not a map.
-  void allow_keys(const YAML::Node& map, std::initializer_list<std::string_view> known, const std::string& what) const;
+  void allow_keys(const YAML::Node& map, std::span<const std::string_view> known, const std::string& what) const;
+  void allow_keys(const YAML::Node& map, std::initializer_list<std::string_view> known, const std::string& what) const {
+    allow_keys(map, std::span(known.begin(), known.size()), what);
+  }
 
   /// `what` names the value in messages.
   double number(const YAML::Node& node, const std::string& what) const;

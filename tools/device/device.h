@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/calib/limits.h"
 #include "runtime/camera/intrinsics.h"
 #include "runtime/math/se3.h"
 
@@ -33,6 +34,7 @@ struct Device {
   std::string name;
   std::string rig_frame;  ///< name of the reference sensor
   std::vector<Sensor> sensors;
+  calib::Limits limits;  ///< of the verdict
 
   /// @return nullptr if there is none of that name.
   const Sensor* find(const std::string& sensor) const;

@@ -6,6 +6,7 @@
 
 #include "tools/common/files.h"
 #include "tools/common/yaml.h"
+#include "tools/device/limits_yaml.h"
 
 namespace roomcal::tools {
 
@@ -19,7 +20,7 @@ class DeviceReader {
 
   Device read() const {
     const YAML::Node& root = yaml_.root();
-    yaml_.allow_keys(root, {"version", "name", "rig_frame", "sensors"}, "device");
+    yaml_.allow_keys(root, {"version", "name", "rig_frame", "sensors", "limits"}, "device");
     const YAML::Node version = yaml_.field(root, "version");
     if (yaml_.whole_number(version, "version") != kVersion) {
       yaml_.fail(version, fmt::format("version: this roomcal reads version {}", kVersion));
@@ -30,6 +31,7 @@ class DeviceReader {
     const YAML::Node sensors = yaml_.field(root, "sensors");
     if (!sensors.IsSequence()) yaml_.fail(sensors, "sensors: expected a list, `- name: cam0` and so on");
     for (const auto& sensor : sensors) device.sensors.push_back(read_sensor(sensor));
+    if (root["limits"].IsDefined()) device.limits = read_limits(yaml_, root["limits"]);
     return device;
   }
 
@@ -152,7 +154,7 @@ std::string to_device_yaml(const Device& device) {
       "# Made by roomcal; T_rig_sensor maps points of the sensor to the rig frame, metres.\nversion: {}\n", kVersion);
   text += "name: " + quoted(device.name) + "\nrig_frame: " + quoted(device.rig_frame) + "\nsensors:\n";
   for (const Sensor& sensor : device.sensors) text += sensor_text(sensor);
-  return text;
+  return text + limits_text(device.limits);
 }
 
 Device read_device(const std::filesystem::path& path) { return parse_device_yaml(path.string(), read_text(path)); }

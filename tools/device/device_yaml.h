@@ -31,6 +31,8 @@ namespace roomcal::tools {
 ///             - [0, 0, 0, 1]
 ///           sigma_t_m: 0.008           # how far off the mounting may be, per axis
 ///           sigma_rot_deg: 1
+///     limits:                          # of the verdict; may be left out, and so may each of them (limits_yaml.h)
+///       max_sigma_t_m: 0.003
 ///
 /// Strict: a key that is not above is an error, because a mistyped one would be ignored silently.
 /// @param where  the file's name, for messages.

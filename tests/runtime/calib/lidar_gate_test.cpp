@@ -57,6 +57,24 @@ TEST_F(LidarGate, UnseenHeightWithoutMounting_IsARetry) {
   expect(Verdict::kFailRetry, "lidar0: height not seen");
 }
 
+TEST_F(LidarGate, UnseenHeight_DoesNotHideALooseAxisThatTheSweepSees) {
+  static_cast<void>(lidar_.location.weak.push_back({false, Vec3::UnitZ(), 0.14}));
+  lidar_.cov_rig_lidar(2, 2) = 64e-6;
+  lidar_.cov_rig_lidar(0, 0) = 1e-4;  // of the reference camera, say
+  Judgement judgement(*outcome_);
+  judge_lidar(spec_, lidar_, Limits(), judgement);
+  EXPECT_EQ(outcome_->verdict, Verdict::kFailRetry);
+  ASSERT_EQ(outcome_->reasons.size(), 2U);
+  EXPECT_NE(outcome_->reasons[1].view().find("lidar0: 1-sigma of 10.00 mm"), std::string_view::npos);
+}
+
+TEST_F(LidarGate, ElsewhereThanItsMounting_AsksForService) {
+  lidar_.located = false;
+  lidar_.failure = "lidar0: its sweep puts it";
+  lidar_.failure_verdict = Verdict::kFailService;
+  expect(Verdict::kFailService, "lidar0: its sweep puts it");
+}
+
 TEST_F(LidarGate, LooseCovariance_IsARetry) {
   lidar_.cov_rig_lidar(0, 0) = 1e-4;
   expect(Verdict::kFailRetry, "lidar0: 1-sigma of 10.00 mm");

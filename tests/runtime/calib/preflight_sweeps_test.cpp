@@ -30,7 +30,7 @@ std::vector<lidar::SweepPoint> turn(double blocked_deg) {
 
 LidarOutcome check(const std::vector<lidar::Sweep>& sweeps) {
   LidarOutcome outcome;
-  check_sweeps(vlp16(), sweeps, outcome);
+  check_sweeps(vlp16(), sweeps, {}, outcome);
   return outcome;
 }
 
@@ -61,7 +61,12 @@ TEST(CheckSweeps, FlaggedSweeps_AreLeftOutAndOneGoodOneIsEnough) {
 TEST(CheckSweeps, BlockedView_IsRefusedWithHowMuch) {
   EXPECT_TRUE(failure({sweep_of(turn(90))}).empty());
   const auto blocked = turn(275);
-  EXPECT_EQ(failure({sweep_of(blocked)}), "lidar0: 270 degrees of its horizon are blocked: clear its view");
+  EXPECT_EQ(failure({sweep_of(blocked)}),
+            "lidar0: 270 degrees of its horizon are blocked: clear its view, or set min_horizon if the "
+            "device blocks it");
+  LidarOutcome allowed;
+  check_sweeps(vlp16(), std::vector<lidar::Sweep>{sweep_of(blocked)}, {.min_horizon = 0.25}, allowed);
+  EXPECT_TRUE(allowed.failure.empty());
 }
 
 TEST(CheckSweeps, EmptyOrNotANumber_HasNoReturns) {

@@ -114,11 +114,40 @@ TEST_F(QualityGate, FarFromNominal_FailsForService) {
   expect(Verdict::kFailService, "cam1: sits 50.");
 }
 
-TEST_F(QualityGate, PoorFit_AdvisesThenFails) {
+TEST_F(QualityGate, PoorFit_AdvisesThenFailsByTheWorstCamerasName) {
+  std::array<rig::RingObservation, 20> rings{};
+  std::array<double, 2> chi2 = {100, 400};
+  for (std::size_t i = 0; i < 2; ++i) {
+    outcome_.cameras[i].rings = rings;
+    outcome_.cameras[i].view = i;
+  }
+  outcome_.solution.chi2_camera = chi2;
   outcome_.solution.chi2 = 500;
-  expect(Verdict::kPassAdvise, "joint fit");
+  expect(Verdict::kPassAdvise, "cam1: fits worst of a joint solution");
   outcome_.solution.chi2 = 5000;
-  expect(Verdict::kFailService, "joint fit");
+  expect(Verdict::kFailService, "cam1: fits worst of a joint solution");
+}
+
+TEST_F(QualityGate, HeldOutMarkersMissed_AdviseThenFailByTheWorstCamerasName) {
+  outcome_.held_out = {12, 3.0, "cam0"};
+  expect(Verdict::kPassAdvise, "cam0: is worst of 12 held-out markers missed by 3.0 sigma");
+  outcome_.held_out.median_sigmas = 5;
+  expect(Verdict::kFailService, "cam0: is worst of 12 held-out");
+}
+
+TEST_F(QualityGate, InstalledSensorThatTheDeviceLacks_IsSaid) {
+  SensorChange change;
+  change.name = "cam7";
+  ASSERT_TRUE(outcome_.installed.sensors.push_back(change));
+  expect(Verdict::kPassAdvise, "cam7: is in the installed record but not in this device");
+}
+
+TEST_F(QualityGate, LimitsOfTheDevice_AreTheOnesThatCount) {
+  Limits limits;
+  limits.advise_inliers = 21;
+  judge(device_, limits, outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kPassAdvise);
+  EXPECT_EQ(outcome_.reasons.size(), 2U);
 }
 
 TEST_F(QualityGate, WorstReason_DecidesTheVerdict) {

@@ -78,6 +78,25 @@ TEST(ToDeviceYaml, ReadBack_IsTheSameTextAgain) {
   EXPECT_EQ(to_device_yaml(parse_device_yaml("d.yaml", once)), once);
 }
 
+TEST(ParseDeviceYaml, WithoutLimits_HasTheDefaultsAndWritesNone) {
+  const Device device = parse_device_yaml("d.yaml", kRobot);
+  EXPECT_EQ(device.limits.max_sigma_t_m, calib::Limits().max_sigma_t_m);
+  EXPECT_EQ(to_device_yaml(device).find("limits"), std::string::npos);
+}
+
+TEST(ParseDeviceYaml, Limits_AreReadInTheFilesUnitsAndTheOthersStay) {
+  const std::string text =
+      std::string(kRobot) + "limits:\n  max_sigma_t_m: 0.02\n  max_sigma_rot_deg: 0.5\n  min_inliers: 10\n";
+  const Device device = parse_device_yaml("d.yaml", text);
+  EXPECT_EQ(device.limits.max_sigma_t_m, 0.02);
+  EXPECT_NEAR(device.limits.max_sigma_rot_rad, deg_to_rad(0.5), 1e-15);
+  EXPECT_EQ(device.limits.min_inliers, 10U);
+  EXPECT_EQ(device.limits.max_chi2_per_dof, calib::Limits().max_chi2_per_dof);
+  const std::string once = to_device_yaml(device);
+  EXPECT_TRUE(contains(once, "limits:\n  min_inliers: 10\n  max_sigma_t_m: 0.02\n  max_sigma_rot_deg: 0.5"));
+  EXPECT_EQ(to_device_yaml(parse_device_yaml("d.yaml", once)), once);
+}
+
 TEST(ToDeviceYaml, TextThatYamlWouldTakeForSomethingElse_SurvivesQuoted) {
   Device device = parse_device_yaml("d.yaml", kRobot);
   device.name = "say \"hi\": [a, b] # \\ no";
@@ -118,6 +137,14 @@ TEST(ParseDeviceYaml, EveryBadInput_NamesTheThing) {
            {"version: 1\nname: a\nrig_frame: b\nsensors: []\n", "no sensors"},
            {"version: 1\nname: a\nrig_frame: b\nsensors: 3\n", "d.yaml:4: sensors: expected a list"},
            {"version: 1\nname: a\nrig_frame: b\nsensors: [3]\n", "d.yaml:4: expected `key: value`"},
+           {kRobot + std::string("limits:\n  max_sigma_m: 1\n"), "d.yaml:27: limits: unknown key `max_sigma_m`"},
+           {kRobot + std::string("limits:\n  max_sigma_t_m: 0\n"), "limits: max_sigma_t_m must be between 1e-06 and 1"},
+           {kRobot + std::string("limits:\n  max_sigma_t_m: .inf\n"), "limits: max_sigma_t_m: expected a finite"},
+           {kRobot + std::string("limits:\n  min_inliers: 6.5\n"), "limits: min_inliers: expected a whole number"},
+           {kRobot + std::string("limits:\n  min_inliers: 3\n"), "limits: min_inliers must be between 6 and 500"},
+           {kRobot + std::string("limits:\n  max_chi2_per_dof: 2\n"),
+            "advise_chi2_per_dof must not be above max_chi2_per_dof"},
+           {kRobot + std::string("limits: 3\n"), "limits: expected `key: value` lines"},
        }) {
     const std::string got = refusal([&] { static_cast<void>(parse_device_yaml("d.yaml", bad.text)); });
     EXPECT_TRUE(contains(got, bad.expected)) << "expected: " << bad.expected << "\ngot: " << got;
