@@ -1,36 +1,16 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
+
+#include "runtime/base/sealed.h"
 
 namespace roomcal::store {
 
-/// What a slot of the store, and a record file of the host tools, begins with; little-endian:
-///
-///     offset  size  field
-///          0     8  magic "roomrec\n"
-///          8     4  format version
-///         12     4  payload size n, bytes
-///         16     4  CRC-32C of the payload
-///         20     4  CRC-32C of bytes 0..19
-///         24     n  payload: FlatBuffers, schema record.fbs, identifier "RREC"
-///
-/// Every byte of a record is under one of the two sums. A slot's bytes behind the payload mean nothing; a file has
-/// none.
-struct RecordHeader {
-  std::array<char, 8> magic;
-  uint32_t version;
-  uint32_t payload_bytes;
-  uint32_t payload_crc32c;
-  uint32_t header_crc32c;
-};
-static_assert(sizeof(RecordHeader) == 24, "a multiple of 8: the payload's doubles stay aligned");
-static_assert(std::is_trivially_copyable_v<RecordHeader>);
-static_assert(offsetof(RecordHeader, payload_crc32c) == 16 && offsetof(RecordHeader, header_crc32c) == 20);
-static_assert(std::endian::native == std::endian::little, "a big-endian reader has to swap; none of our boards is one");
+/// What a slot of the store, and a record file of the host tools, begins with; the payload is FlatBuffers, schema
+/// record.fbs, identifier "RREC". A slot's bytes behind the payload mean nothing; a file has none.
+using RecordHeader = SealedHeader;
 
 inline constexpr std::array<char, 8> kMagic{'r', 'o', 'o', 'm', 'r', 'e', 'c', '\n'};
 inline constexpr uint32_t kFormatVersion = 1;
@@ -40,5 +20,17 @@ inline constexpr uint32_t kFormatVersion = 1;
 inline constexpr std::size_t kMaxRecordBytes = 16384;
 inline constexpr std::size_t kMaxSensors = 12;
 inline constexpr std::size_t kMaxReasons = 8;
+
+inline constexpr SealedKind kRecordKind = {
+    .magic = kMagic,
+    .version = kFormatVersion,
+    .max_bytes = kMaxRecordBytes,
+    .too_short = "shorter than a record's header",
+    .absent = "no record begins here",
+    .header_damaged = "the record's header is damaged",
+    .other_version = "the record is of another version; update the firmware or the tool",
+    .cut_short = "the record is cut short",
+    .damaged = "the record's content is damaged",
+};
 
 }  // namespace roomcal::store

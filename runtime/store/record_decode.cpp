@@ -1,7 +1,4 @@
-#include <cstring>
-#include <string_view>
-
-#include "runtime/base/crc32c.h"
+#include "runtime/camera/flat.h"
 #include "runtime/store/record_codec.h"
 #include "runtime/store/record_generated.h"
 
@@ -9,25 +6,9 @@ namespace roomcal::store {
 
 namespace {
 
+using camera::take_text;
+
 constexpr Status corrupt(const char* detail) { return {StatusCode::kCorrupt, detail}; }
-
-template <std::size_t kCapacity>
-bool take(const flatbuffers::String* text, FixedText<kCapacity>& out) {
-  out.clear();
-  if (text == nullptr) return true;
-  if (text->size() > kCapacity) return false;
-  out.append({text->c_str(), text->size()});
-  return true;
-}
-
-SE3 to_se3(const fbs::Transform& stored) {
-  SE3 T;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) T.R(r, c) = stored.rotation()->Get(static_cast<flatbuffers::uoffset_t>(3 * r + c));
-    T.t[r] = stored.t_m()->Get(static_cast<flatbuffers::uoffset_t>(r));
-  }
-  return T;
-}
 
 Mat66 to_covariance(const fbs::Covariance& stored) {
   Mat66 cov;
@@ -37,30 +18,14 @@ Mat66 to_covariance(const fbs::Covariance& stored) {
   return cov;
 }
 
-// Sizes beyond any image become 0, which check_record() refuses.
-int to_size_px(uint32_t stored) { return stored <= 1U << 20 ? static_cast<int>(stored) : 0; }
-
-camera::Intrinsics to_intrinsics(const fbs::Intrinsics& stored) {
-  camera::Intrinsics k{static_cast<camera::Model>(stored.model()),
-                       to_size_px(stored.width_px()),
-                       to_size_px(stored.height_px()),
-                       stored.fx_px(),
-                       stored.fy_px(),
-                       stored.cx_px(),
-                       stored.cy_px(),
-                       {}};
-  for (std::size_t i = 0; i < k.distortion.size(); ++i)
-    k.distortion[i] = stored.distortion()->Get(static_cast<flatbuffers::uoffset_t>(i));
-  return k;
-}
-
 bool take(const fbs::Sensor& stored, SensorRecord& out) {
-  if (!take(stored.name(), out.name) || !take(stored.model(), out.model) || !take(stored.serial(), out.serial))
+  if (!take_text(stored.name(), out.name) || !take_text(stored.model(), out.model) ||
+      !take_text(stored.serial(), out.serial))
     return false;
   out.kind = static_cast<SensorKind>(stored.kind());
-  out.T_rig_sensor = to_se3(*stored.pose_rig());
+  out.T_rig_sensor = camera::to_se3(*stored.pose_rig());
   out.cov_rig_sensor = to_covariance(*stored.covariance());
-  out.intrinsics = stored.intrinsics() == nullptr ? camera::Intrinsics{} : to_intrinsics(*stored.intrinsics());
+  out.intrinsics = stored.intrinsics() == nullptr ? camera::Intrinsics{} : camera::to_intrinsics(*stored.intrinsics());
   const fbs::Evidence& e = *stored.evidence();
   out.evidence = {e.detections(), e.inliers(), static_cast<double>(e.rms()), static_cast<double>(e.coverage()),
                   static_cast<double>(e.log_likelihood_gap())};
@@ -78,7 +43,7 @@ bool take_reasons(const fbs::Record& stored, Record& out) {
   out.reasons.clear();
   if (stored.reasons() == nullptr) return true;
   for (const flatbuffers::String* reason : *stored.reasons())
-    if (!out.reasons.push_back({}) || !take(reason, out.reasons.back())) return false;
+    if (!out.reasons.push_back({}) || !take_text(reason, out.reasons.back())) return false;
   return true;
 }
 
@@ -97,40 +62,19 @@ void take_figures(const fbs::Record& stored, Record& out) {
   out.reference = stored.reference();
 }
 
-Status check_header(std::span<const std::byte> bytes, RecordHeader& header) {
-  if (bytes.size() < sizeof header) return corrupt("shorter than a record's header");
-  std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic != kMagic) return corrupt("no record begins here");
-  if (crc32c(bytes.first(offsetof(RecordHeader, header_crc32c))) != header.header_crc32c)
-    return corrupt("the record's header is damaged");
-  if (header.version != kFormatVersion)
-    return {StatusCode::kUnsupported, "the record is of another version; update the firmware or the tool"};
-  if (header.payload_bytes > kMaxRecordBytes - sizeof header) return corrupt("the record's header is damaged");
-  return ok_status();
-}
-
 }  // namespace
 
-Result<std::size_t> record_size(std::span<const std::byte> bytes) {
-  RecordHeader header{};
-  ROOMCAL_TRY(check_header(bytes, header));
-  return sizeof header + header.payload_bytes;
-}
+Result<std::size_t> record_size(std::span<const std::byte> bytes) { return sealed_size(bytes, kRecordKind); }
 
 Status decode_record(std::span<const std::byte> bytes, Record& record) {
-  if (reinterpret_cast<uintptr_t>(bytes.data()) % 8 != 0)
-    return {StatusCode::kInvalidArgument, "the record's bytes are not aligned to 8"};
-  RecordHeader header{};
-  ROOMCAL_TRY(check_header(bytes, header));
-  if (bytes.size() - sizeof header < header.payload_bytes) return corrupt("the record is cut short");
-  const std::span<const std::byte> payload = bytes.subspan(sizeof header, header.payload_bytes);
-  if (crc32c(payload) != header.payload_crc32c) return corrupt("the record's content is damaged");
-
+  const Result<std::span<const std::byte>> opened = open_sealed(bytes, kRecordKind);
+  ROOMCAL_TRY(opened.status());
+  const std::span<const std::byte> payload = opened.value();
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(payload.data()), payload.size(), 8, 64);
   if (!fbs::VerifyRecordBuffer(verifier)) return corrupt("the record's structure is broken");
   const fbs::Record& stored = *fbs::GetRecord(payload.data());
-  const bool fits = take(stored.map_id(), record.map_id) && take(stored.firmware_id(), record.firmware_id) &&
-                    take(stored.device_serial(), record.device_serial) && take_reasons(stored, record) &&
+  const bool fits = take_text(stored.map_id(), record.map_id) && take_text(stored.firmware_id(), record.firmware_id) &&
+                    take_text(stored.device_serial(), record.device_serial) && take_reasons(stored, record) &&
                     take_sensors(stored, record);
   if (!fits) return corrupt("the record holds more or longer entries than its version allows");
   take_figures(stored, record);

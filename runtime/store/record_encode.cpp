@@ -4,7 +4,7 @@
 
 #include <flatbuffers/flatbuffers.h>
 
-#include "runtime/base/crc32c.h"
+#include "runtime/camera/flat.h"
 #include "runtime/store/record_codec.h"
 #include "runtime/store/record_generated.h"
 
@@ -33,33 +33,12 @@ class FixedAllocator final : public flatbuffers::Allocator {
 
 Text put(Builder& builder, std::string_view text) { return builder.CreateString(text.data(), text.size()); }
 
-fbs::Transform to_fbs(const SE3& T) {
-  std::array<double, 9> R{};
-  std::array<double, 3> t{};
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) R[static_cast<std::size_t>(3 * r + c)] = T.R(r, c);
-    t[static_cast<std::size_t>(r)] = T.t[r];
-  }
-  return {R, t};
-}
-
 fbs::Covariance to_fbs(const Mat66& cov) {
   std::array<float, 21> upper{};
   std::size_t next = 0;
   for (int r = 0; r < 6; ++r)
     for (int c = r; c < 6; ++c) upper[next++] = static_cast<float>(cov(r, c));
   return fbs::Covariance(upper);
-}
-
-fbs::Intrinsics to_fbs(const camera::Intrinsics& k) {
-  return {k.fx_px,
-          k.fy_px,
-          k.cx_px,
-          k.cy_px,
-          k.distortion,
-          static_cast<uint32_t>(k.width_px),
-          static_cast<uint32_t>(k.height_px),
-          static_cast<uint8_t>(k.model)};
 }
 
 fbs::Evidence to_fbs(const Evidence& e) {
@@ -71,9 +50,9 @@ flatbuffers::Offset<fbs::Sensor> put(Builder& builder, const SensorRecord& senso
   const Text name = put(builder, sensor.name.view());
   const Text model = put(builder, sensor.model.view());
   const Text serial = put(builder, sensor.serial.view());
-  const fbs::Transform T_rig_sensor = to_fbs(sensor.T_rig_sensor);
+  const fbs::Transform T_rig_sensor = camera::to_flat_transform<fbs::Transform>(sensor.T_rig_sensor);
   const fbs::Covariance covariance = to_fbs(sensor.cov_rig_sensor);
-  const fbs::Intrinsics intrinsics = to_fbs(sensor.intrinsics);
+  const fbs::Intrinsics intrinsics = camera::to_flat_intrinsics<fbs::Intrinsics>(sensor.intrinsics);
   const fbs::Evidence evidence = to_fbs(sensor.evidence);
   const fbs::Intrinsics* of_camera = sensor.kind == SensorKind::kCamera ? &intrinsics : nullptr;
   return fbs::CreateSensor(builder, name, static_cast<uint8_t>(sensor.kind), model, serial, &T_rig_sensor, &covariance,
@@ -99,12 +78,6 @@ void put(Builder& builder, const Record& record) {
       fbs::RecordIdentifier());
 }
 
-RecordHeader make_header(std::span<const std::byte> payload) {
-  RecordHeader header{kMagic, kFormatVersion, static_cast<uint32_t>(payload.size()), crc32c(payload), 0};
-  header.header_crc32c = crc32c(std::as_bytes(std::span(&header, 1)).first(offsetof(RecordHeader, header_crc32c)));
-  return header;
-}
-
 }  // namespace
 
 Result<std::size_t> encode_record(const Record& record, std::span<std::byte> out, std::span<std::byte> scratch) {
@@ -115,7 +88,7 @@ Result<std::size_t> encode_record(const Record& record, std::span<std::byte> out
   Builder builder(scratch.size(), &allocator, false, 16);
   put(builder, record);
   const std::span<const std::byte> payload = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
-  const RecordHeader header = make_header(payload);
+  const SealedHeader header = seal(payload, kRecordKind);
   const std::size_t size = sizeof header + payload.size();
   if (size > out.size())
     return Status(StatusCode::kCapacity, "the record is larger than a slot; give the store a larger medium");
