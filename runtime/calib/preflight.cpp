@@ -16,11 +16,7 @@ constexpr int kTooDark = 24;
 constexpr int kTooBright = 231;
 constexpr int kMinSpread = 16;
 
-struct Levels {
-  int low;   // 1 % quantile
-  int high;  // 99 % quantile
-  int mean;
-};
+}  // namespace
 
 Levels sample_levels(ImageView image) {
   std::array<int, 256> histogram{};
@@ -43,8 +39,6 @@ Levels sample_levels(ImageView image) {
   return {quantile(count / 100), quantile(count - 1 - count / 100),
           static_cast<int>(sum / std::max<int64_t>(1, count))};
 }
-
-}  // namespace
 
 Reason check_image(const CameraSpec& camera, ImageView image) {
   const Name who(camera.name);

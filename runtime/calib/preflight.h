@@ -11,6 +11,14 @@
 
 namespace roomcal::calib {
 
+/// Grey levels of an image, from some 10,000 of its pixels.
+struct Levels {
+  int low = 0;   ///< 1 % quantile
+  int high = 0;  ///< 99 % quantile
+  int mean = 0;
+};
+Levels sample_levels(ImageView image);
+
 /// Whether an image can be worth looking at, before any time is spent on it.
 ///
 /// @return empty if it can; else one line with the camera's name and the remedy (no image, another size than the
