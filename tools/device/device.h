@@ -7,6 +7,7 @@
 #include "runtime/calib/limits.h"
 #include "runtime/camera/intrinsics.h"
 #include "runtime/math/se3.h"
+#include "runtime/profile/wiring.h"
 
 namespace roomcal::tools {
 
@@ -27,6 +28,10 @@ struct Sensor {
   std::string lidar_model;        ///< of a LiDAR: "vlp16", "tls", ...
   std::string file;               ///< of a LiDAR: its file in a shot folder; may be empty
   std::optional<NominalMount> nominal;
+  std::string serial;                   ///< off its label; may be empty
+  std::string calibration_file;         ///< of a LiDAR: the unit's own angles, beside device.yaml; may be empty
+  profile::CameraWiring camera_wiring;  ///< of a camera
+  profile::LidarWiring lidar_wiring;    ///< of a LiDAR
 };
 
 /// What `device.yaml` says: the sensors of one rig, and which of them is the rig's frame.
@@ -35,6 +40,9 @@ struct Device {
   std::string rig_frame;  ///< name of the reference sensor
   std::vector<Sensor> sensors;
   calib::Limits limits;  ///< of the verdict
+  std::string serial;    ///< of the device; may be empty
+  profile::GrabWiring grab;
+  profile::Wiring wiring;
 
   /// @return nullptr if there is none of that name.
   const Sensor* find(const std::string& sensor) const;

@@ -7,6 +7,7 @@
 #include "tools/common/files.h"
 #include "tools/common/yaml.h"
 #include "tools/device/limits_yaml.h"
+#include "tools/device/wiring_yaml.h"
 
 namespace roomcal::tools {
 
@@ -20,7 +21,7 @@ class DeviceReader {
 
   Device read() const {
     const YAML::Node& root = yaml_.root();
-    yaml_.allow_keys(root, {"version", "name", "rig_frame", "sensors", "limits"}, "device");
+    yaml_.allow_keys(root, {"version", "name", "serial", "rig_frame", "sensors", "limits", "grab", "wiring"}, "device");
     const YAML::Node version = yaml_.field(root, "version");
     if (yaml_.whole_number(version, "version") != kVersion) {
       yaml_.fail(version, fmt::format("version: this roomcal reads version {}", kVersion));
@@ -31,7 +32,10 @@ class DeviceReader {
     const YAML::Node sensors = yaml_.field(root, "sensors");
     if (!sensors.IsSequence()) yaml_.fail(sensors, "sensors: expected a list, `- name: cam0` and so on");
     for (const auto& sensor : sensors) device.sensors.push_back(read_sensor(sensor));
+    if (root["serial"].IsDefined()) device.serial = yaml_.text(root["serial"], "serial");
     if (root["limits"].IsDefined()) device.limits = read_limits(yaml_, root["limits"]);
+    if (root["grab"].IsDefined()) device.grab = read_grab(yaml_, root["grab"]);
+    if (root["wiring"].IsDefined()) device.wiring = read_wiring(yaml_, root["wiring"]);
     return device;
   }
 
@@ -48,13 +52,15 @@ class DeviceReader {
     } else {
       yaml_.fail(kind, fmt::format("{}: kind `{}`; known are camera and lidar", sensor.name, kind_text));
     }
+    if (node["serial"].IsDefined()) sensor.serial = yaml_.text(node["serial"], sensor.name + ": serial");
     if (node["nominal"].IsDefined()) sensor.nominal = read_nominal(node["nominal"], sensor.name + ": nominal");
     return sensor;
   }
 
   void read_camera(const YAML::Node& node, Sensor& sensor) const {
     yaml_.allow_keys(node,
-                     {"name", "kind", "model", "resolution_px", "intrinsics_px", "distortion", "sigma_px", "nominal"},
+                     {"name", "kind", "serial", "model", "resolution_px", "intrinsics_px", "distortion", "sigma_px",
+                      "nominal", "driver"},
                      sensor.name);
     camera::Intrinsics& intrinsics = sensor.intrinsics;
     const YAML::Node model = yaml_.field(node, "model");
@@ -82,13 +88,20 @@ class DeviceReader {
       if (!(sensor.sigma_px >= 0 && sensor.sigma_px <= 5))
         yaml_.fail(sigma, sensor.name + ": sigma_px is what the intrinsics leave, between 0 and 5 px");
     }
+    if (node["driver"].IsDefined())
+      sensor.camera_wiring = read_camera_wiring(yaml_, node["driver"], sensor.name + ": driver");
   }
 
   void read_lidar(const YAML::Node& node, Sensor& sensor) const {
-    yaml_.allow_keys(node, {"name", "kind", "model", "file", "nominal"}, sensor.name);
+    yaml_.allow_keys(node, {"name", "kind", "serial", "model", "file", "calibration", "nominal", "driver"},
+                     sensor.name);
     sensor.kind = SensorKind::kLidar;
     sensor.lidar_model = yaml_.text(yaml_.field(node, "model"), sensor.name + ": model");
     if (node["file"].IsDefined()) sensor.file = yaml_.text(node["file"], sensor.name + ": file");
+    if (node["calibration"].IsDefined())
+      sensor.calibration_file = yaml_.text(node["calibration"], sensor.name + ": calibration");
+    if (node["driver"].IsDefined())
+      sensor.lidar_wiring = read_lidar_wiring(yaml_, node["driver"], sensor.name + ": driver");
   }
 
   NominalMount read_nominal(const YAML::Node& node, const std::string& what) const {
@@ -126,7 +139,10 @@ std::string nominal_text(const NominalMount& nominal) {
 
 std::string sensor_text(const Sensor& sensor) {
   std::string text = "  - name: " + quoted(sensor.name) + "\n";
-  if (sensor.kind == SensorKind::kCamera) {
+  if (!sensor.serial.empty()) text += "    serial: " + quoted(sensor.serial) + "\n";
+  const bool is_camera = sensor.kind == SensorKind::kCamera;
+  const std::string driver = is_camera ? to_text(sensor.camera_wiring) : to_text(sensor.lidar_wiring);
+  if (is_camera) {
     const camera::Intrinsics& i = sensor.intrinsics;
     text += fmt::format("    kind: camera\n    model: {}\n    resolution_px: [{}, {}]\n", to_string(i.model),
                         i.width_px, i.height_px);
@@ -136,7 +152,9 @@ std::string sensor_text(const Sensor& sensor) {
   } else {
     text += "    kind: lidar\n    model: " + quoted(sensor.lidar_model) + "\n";
     if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";
+    if (!sensor.calibration_file.empty()) text += "    calibration: " + quoted(sensor.calibration_file) + "\n";
   }
+  if (!driver.empty()) text += "    driver: " + driver + "\n";
   return sensor.nominal ? text + nominal_text(*sensor.nominal) : text;
 }
 
@@ -152,9 +170,11 @@ Device parse_device_yaml(const std::string& where, const std::string& text) {
 std::string to_device_yaml(const Device& device) {
   std::string text = fmt::format(
       "# Made by roomcal; T_rig_sensor maps points of the sensor to the rig frame, metres.\nversion: {}\n", kVersion);
-  text += "name: " + quoted(device.name) + "\nrig_frame: " + quoted(device.rig_frame) + "\nsensors:\n";
+  text += "name: " + quoted(device.name) + (device.serial.empty() ? "" : "\nserial: " + quoted(device.serial)) +
+          "\nrig_frame: " + quoted(device.rig_frame) + "\nsensors:\n";
   for (const Sensor& sensor : device.sensors) text += sensor_text(sensor);
-  return text + limits_text(device.limits);
+  if (const std::string grab = to_text(device.grab); !grab.empty()) text += "grab: " + grab + "\n";
+  return text + limits_text(device.limits) + wiring_text(device.wiring);
 }
 
 Device read_device(const std::filesystem::path& path) { return parse_device_yaml(path.string(), read_text(path)); }

@@ -31,8 +31,13 @@ namespace roomcal::tools {
 ///             - [0, 0, 0, 1]
 ///           sigma_t_m: 0.008           # how far off the mounting may be, per axis
 ///           sigma_rot_deg: 1
+///     serial: RB-0042                  # of the device; may be left out, and so may a sensor's
 ///     limits:                          # of the verdict; may be left out, and so may each of them (limits_yaml.h)
 ///       max_sigma_t_m: 0.003
+///
+/// `driver` of a sensor, `calibration` of a LiDAR (the unit's angles, a file beside this one), `grab` and `wiring` say
+/// how the device is put together: wiring_yaml.h. They are what `roomcal provision` puts on the device; the host's
+/// commands need none of them.
 ///
 /// Strict: a key that is not above is an error, because a mistyped one would be ignored silently.
 /// @param where  the file's name, for messages.

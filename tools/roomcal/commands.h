@@ -10,6 +10,7 @@
 #include "tools/export/export_command.h"
 #include "tools/map/map_command.h"
 #include "tools/plan/plan_command.h"
+#include "tools/provision/provision_command.h"
 #include "tools/sheets/sheets_command.h"
 #include "tools/simulate/simulate_command.h"
 #include "tools/sweep/sweep_command.h"
@@ -30,6 +31,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_import_command(app, exit_code);
   add_map_command(app, exit_code);
   add_plan_command(app, exit_code);
+  add_provision_command(app, exit_code);
   add_record_command(app, exit_code);
   add_sheets_command(app);
   add_simulate_command(app, exit_code);

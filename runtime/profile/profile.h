@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "runtime/base/fixed_text.h"
+#include "runtime/base/fixed_vector.h"
+#include "runtime/base/status.h"
+#include "runtime/calib/device.h"
+#include "runtime/calib/limits.h"
+#include "runtime/lidar/calibration.h"
+#include "runtime/profile/wiring.h"
+#include "runtime/store/record.h"
+
+namespace roomcal::profile {
+
+struct CameraProfile {
+  SensorName name;
+  store::Serial serial;
+  camera::Intrinsics intrinsics;
+  double sigma_px = 0;
+  calib::NominalMounting nominal;
+  CameraWiring wiring;
+};
+
+struct LidarProfile {
+  SensorName name;
+  store::Serial serial;
+  SensorName model;
+  lidar::Calibration calibration;  ///< the unit's angles, or the manual's
+  calib::NominalMounting nominal;
+  LidarWiring wiring;
+};
+
+/// One device as it was provisioned: all that the program on it knows beside the room's map and its store. Plain
+/// memory, some 60 kB.
+struct Profile {
+  store::LongId device;       ///< its name
+  store::Serial serial;       ///< records of other devices are not used
+  std::size_t reference = 0;  ///< number of the camera whose frame is the rig's
+  FixedVector<CameraProfile, calib::kMaxCameras> cameras;
+  FixedVector<LidarProfile, calib::kMaxLidars> lidars;
+  calib::Limits limits;
+  GrabWiring grab;
+  Wiring wiring;
+};
+
+/// Reads what `roomcal provision` made. Total: any bytes give a profile or a status.
+///
+/// @param bytes  aligned to 8.
+/// @param[out] profile  overwritten; means something only for kOk.
+/// @return kCorrupt (damaged, cut, impossible values), kUnsupported (another version), with what is wrong.
+/// Cost: linear in the size; no heap.
+Status decode_profile(std::span<const std::byte> bytes, Profile& profile);
+
+/// What a profile must hold whoever made it: at least one camera, names unique and printable, serials unique where they
+/// are given, intrinsics that a camera can have, a reference that exists, mountings and numbers that are finite and
+/// sane, a sensor model for every LiDAR, what each chosen driver needs.
+/// @return kInvalidArgument; `what` names the thing and the remedy.
+Status check_profile(const Profile& profile, Reason& what);
+
+/// The sensors as the session wants them. @return kInvalidArgument for intrinsics or a LiDAR model that are none.
+Status to_device(const Profile& profile, calib::Device& device);
+
+}  // namespace roomcal::profile

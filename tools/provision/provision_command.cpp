@@ -1,0 +1,74 @@
+#include "tools/provision/provision_command.h"
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "tools/common/error.h"
+#include "tools/common/files.h"
+#include "tools/device/device_yaml.h"
+#include "tools/export/record_file.h"
+#include "tools/export/result_json.h"
+#include "tools/provision/profile_file.h"
+#include "tools/provision/to_profile.h"
+
+namespace roomcal::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  fs::path device;
+  fs::path folder;
+  fs::path factory;
+};
+
+store::Record choose_factory(const Arguments& arguments, const profile::Profile& profile) {
+  if (arguments.factory.empty()) return factory_record(profile);
+  store::Record record = arguments.factory.extension() == ".json"
+                             ? parse_result(arguments.factory.string(), read_text(arguments.factory))
+                             : read_record(arguments.factory);
+  record.device_serial = profile.serial;
+  for (const store::SensorRecord& sensor : record.sensors) {
+    const auto same = [&](const auto& other) { return other.name.view() == sensor.name.view(); };
+    if (std::none_of(profile.cameras.begin(), profile.cameras.end(), same) &&
+        std::none_of(profile.lidars.begin(), profile.lidars.end(), same))
+      throw ToolError(fmt::format("{}: {} is not a sensor of {}", arguments.factory.string(), sensor.name.view(),
+                                  arguments.device.string()));
+  }
+  return record;
+}
+
+void provision(const Arguments& arguments) {
+  const auto profile = std::make_unique<profile::Profile>(to_profile(read_device(arguments.device), arguments.device));
+  const auto factory = std::make_unique<store::Record>(choose_factory(arguments, *profile));
+  fs::create_directories(arguments.folder);
+  const fs::path profile_file = arguments.folder / "device.profile", record_file = arguments.folder / "factory.record";
+  const AlignedBytes bytes = build_profile(*profile);
+  write_atomic(profile_file, bytes.span());
+  write_record(record_file, *factory);
+  fmt::print("{}: {}, serial {}, {} cameras, {} LiDARs, {} bytes\n", profile_file.string(), profile->device.view(),
+             profile->serial.empty() ? "none" : profile->serial.view(), profile->cameras.size(), profile->lidars.size(),
+             bytes.span().size());
+  fmt::print("{}: {} of {} sensors, {}\n", record_file.string(), factory->sensors.size(),
+             profile->cameras.size() + profile->lidars.size(),
+             arguments.factory.empty() ? "at their nominal mounting" : arguments.factory.string());
+}
+
+}  // namespace
+
+void add_provision_command(CLI::App& app, int& exit_code) {
+  static_cast<void>(exit_code);
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("provision", "device.yaml to the files that the device's program reads");
+  command->add_option("device", arguments->device, "device.yaml")->required();
+  command->add_option("-o,--output", arguments->folder, "folder to write device.profile and factory.record into")
+      ->required();
+  command->add_option("--factory", arguments->factory,
+                      "record or result (*.json) that was measured, as the factory record instead of the drawing's");
+  command->callback([arguments] { provision(*arguments); });
+}
+
+}  // namespace roomcal::tools
