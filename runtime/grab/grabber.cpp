@@ -73,7 +73,7 @@ Status Grabber::take_images(GrabWatcher& watcher, Grabbed& shot) {
   }
   for (std::size_t i = 0; i < sources_.cameras.size(); ++i) static_cast<void>(shot.images.push_back(shot.held[i].luma));
   if (there == 0 && !sources_.cameras.empty())
-    return fail(StatusCode::kUnavailable, "no camera delivers images: see `sensors` for each one's fault");
+    return fail(StatusCode::kTooFew, "no camera delivers images: see `sensors` for each one's fault");
   return ok_status();
 }
 

@@ -163,7 +163,7 @@ TEST_F(GrabberTest, CameraThatDeliversNothing_IsLeftOutWithANote) {
 
 TEST_F(GrabberTest, NoCameraDelivers_FailsAtOnce) {
   delivers_[0] = delivers_[1] = false;
-  EXPECT_EQ(grab().code(), StatusCode::kUnavailable);
+  EXPECT_EQ(grab().code(), StatusCode::kTooFew);
   EXPECT_NE(reason().find("no camera delivers"), std::string::npos);
 }
 
