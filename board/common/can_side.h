@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <optional>
+
+#include "drivers/can/dispatcher.h"
+#include "drivers/can/socketcan.h"
+#include "drivers/can/standstill.h"
+#include "drivers/can/station.h"
+#include "runtime/base/latest.h"
+#include "runtime/face/vitals.h"
+#include "runtime/ports/log.h"
+#include "runtime/ports/stillness_sensor.h"
+#include "runtime/ports/trigger.h"
+#include "runtime/press/press.h"
+#include "runtime/profile/wiring.h"
+
+namespace roomcal::board {
+
+/// What CAL_STATUS is told, in the runtime's own words.
+struct CanStatus {
+  bool armed = false;
+  press::Moment moment;
+  press::Kind kind = press::Kind::kVerify;
+  press::Result result = press::Result::kNone;
+  press::Trouble trouble = press::Trouble::kNone;
+  bool still = false;
+  store::State store = store::State::kUncalibrated;
+  bool store_damaged = false;
+};
+
+/// What somebody on the bus asked for.
+enum class CanWish : uint8_t { kNone, kVerify, kCalibrate, kAbort };
+
+/// Everything that hangs on the CAN bus. The supervisor's thread owns it; the session's thread asks it for stillness
+/// and triggers through the two ports, which never touch the bus themselves.
+class CanSide {
+ public:
+  CanSide(drivers::CanKernel& kernel, const ports::SystemClocks& clocks, ports::Log& log)
+      : clocks_(clocks),
+        log_(log),
+        bus_(kernel, clocks),
+        dispatcher_(bus_, clocks),
+        stillness_(clocks),
+        trigger_(clocks) {}
+
+  /// @param seed  of the command nonces, another one at every start.
+  /// @return what SocketCan::start() says; it then goes on looking for the interface.
+  Status start(const profile::CanWiring& wiring, uint32_t seed);
+  bool started() const { return station_.has_value(); }
+
+  /// Supervisor, 50 Hz or more.
+  void poll();
+  void set_status(const CanStatus& status);
+  void announce(const press::Report& report, std::size_t done, std::size_t wanted, double rms_px, uint64_t generation);
+  CanWish next_wish();
+  /// Whether the wish was granted, for the next CAL_STATUS.
+  void answer(Status status);
+
+  const drivers::SocketCan& bus() const { return bus_; }
+  ports::Stillness still_now() const { return still_; }
+  bool has_standstill() const { return standstill_.has_value(); }
+
+  /// For the session's thread.
+  ports::StillnessSensor& stillness() { return stillness_; }
+  ports::Trigger& trigger() { return trigger_; }
+
+ private:
+  /// What the supervisor saw last; too old is moving.
+  class SharedStillness final : public ports::StillnessSensor {
+   public:
+    explicit SharedStillness(const ports::SystemClocks& clocks) : clocks_(clocks) {}
+    void tell(const ports::Stillness& seen) { latest_.set({seen, clocks_.now_ns()}); }
+    ports::Stillness look(int64_t now_ns) override;
+
+   private:
+    struct Seen {
+      ports::Stillness stillness;
+      int64_t at_ns = 0;
+    };
+    const ports::SystemClocks& clocks_;
+    Latest<Seen> latest_;
+  };
+  /// A wish that the supervisor fulfils.
+  class SharedTrigger final : public ports::Trigger {
+   public:
+    explicit SharedTrigger(const ports::SystemClocks& clocks) : clocks_(clocks) {}
+    const char* name() const override { return "CAN"; }
+    Status fire() override;
+    bool wanted() { return wish_.load() == Wish::kWanted; }
+    void done(bool sent) { wish_.store(sent ? Wish::kSent : Wish::kFailed); }
+
+   private:
+    enum class Wish : uint8_t { kNone, kWanted, kSent, kFailed };
+    const ports::SystemClocks& clocks_;
+    std::atomic<Wish> wish_{Wish::kNone};
+  };
+
+  const ports::SystemClocks& clocks_;
+  ports::Log& log_;
+  std::array<char, profile::ShortText::capacity() + 1> interface_{};  ///< ends with a zero; drivers keep it
+  drivers::SocketCan bus_;
+  drivers::Dispatcher dispatcher_;
+  std::optional<drivers::Station> station_;
+  std::optional<drivers::VehicleStandstill> standstill_;
+  ports::Stillness still_{false, "can: nothing was heard yet"};
+  SharedStillness stillness_;
+  SharedTrigger trigger_;
+  ports::CanState told_state_ = ports::CanState::kActive;
+};
+
+}  // namespace roomcal::board
