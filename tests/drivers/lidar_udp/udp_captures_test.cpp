@@ -4,6 +4,7 @@
 
 #include "drivers/lidar_udp/udp_packet_source.h"
 #include "runtime/lidar/sweep_builder.h"
+#include "tests/drivers/emulated.h"
 #include "tests/drivers/lidar_udp/udp_sender.h"
 #include "tests/tools/sweep/captures.h"
 #include "tools/common/files.h"
@@ -62,6 +63,7 @@ class Comparison final : public ports::PacketVisitor {
 };
 
 void expect_same_sweeps(const fs::path& capture, const std::string& model, const fs::path& calibration = {}) {
+  if (test::emulated()) GTEST_SKIP() << "the emulator does not count a socket's drops";
   tools::LoadRequest request;
   request.file = capture;
   request.model = model;
