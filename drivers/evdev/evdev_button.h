@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <linux/input.h>
 
@@ -17,6 +18,7 @@ struct EvdevOptions {
   DevicePath device = {};  ///< "/dev/input/by-path/platform-gpio-keys-event", or a FIFO
   uint16_t key_code = 0;   ///< of linux/input-event-codes.h: KEY_SETUP 141, KEY_POWER 116
 };
+static_assert(std::is_trivially_copyable_v<EvdevOptions>);
 
 /// A key of a Linux input device (gpio-keys, a USB button), stamped by the kernel on the monotonic clock.
 ///

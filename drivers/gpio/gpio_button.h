@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "drivers/evdev/reopening_button.h"
 #include "drivers/gpio/gpio_line.h"
@@ -11,6 +12,7 @@ struct GpioButtonOptions {
   GpioLineOptions line = {};
   uint32_t debounce_us = 10'000;  ///< contacts of buttons bounce for some milliseconds
 };
+static_assert(std::is_trivially_copyable_v<GpioButtonOptions>);
 
 /// A button on a GPIO line, where the device tree has no gpio-keys for it. Debounced and stamped by the kernel; its
 /// queue drops the oldest edges when it overflows, so the last ones tell the present state. start() answers as

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "drivers/os/device_path.h"
 #include "drivers/os/file_kernel.h"
@@ -19,6 +20,7 @@ struct GpioLineOptions {
   bool active_low = false;  ///< a low level is what counts as pressed, lit, fired
   GpioBias bias = GpioBias::kAsIs;
 };
+static_assert(std::is_trivially_copyable_v<GpioLineOptions>);
 
 /// A line that we hold, by the kernel's GPIO character device (uAPI v2, Linux 5.10). Levels are logical: `active_low`
 /// is the kernel's business. No heap.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "drivers/gpio/gpio_line.h"
 #include "runtime/ports/system_clocks.h"
@@ -12,6 +13,7 @@ struct GpioTriggerOptions {
   GpioLineOptions line = {};
   uint32_t pulse_us = 1000;  ///< cameras debounce their inputs: some want a millisecond
 };
+static_assert(std::is_trivially_copyable_v<GpioTriggerOptions>);
 
 /// A pulse on the line that all cameras' trigger inputs hang on.
 class GpioTrigger final : public ports::Trigger {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 
 #include "drivers/os/device_path.h"
 #include "drivers/os/file_kernel.h"
@@ -14,6 +15,7 @@ namespace roomcal::drivers {
 struct LedOptions {
   DevicePath folder = {};  ///< "/sys/class/leds/status", or any folder: the file `brightness` is made there
 };
+static_assert(std::is_trivially_copyable_v<LedOptions>);
 
 /// A lamp of Linux's LED class. The kernel's own pattern is taken off at start() and put back at stop(), with the
 /// brightness of before. Files are opened for every write, so a lamp whose driver was loaded anew goes on.

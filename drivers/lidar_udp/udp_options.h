@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "runtime/base/fixed_text.h"
 
@@ -23,6 +24,7 @@ struct UdpOptions {
   uint32_t packets_per_second = 0;  ///< at its highest rate: VLP-16 754, 1508 in dual return
   uint32_t stall_ms = 100;          ///< the longest that the reading thread may stay away without a loss
 };
+static_assert(std::is_trivially_copyable_v<UdpOptions>);
 
 /// Bytes of receive buffer that the sensor needs: its packets of one stall, as the kernel charges them.
 ///

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 #include <pthread.h>
 
@@ -16,6 +17,7 @@ struct ThreadOptions {
   std::size_t stack_bytes = 256 * 1024;  ///< of an own stack, its guard page included; unused where memory is given
   int fifo_priority = 0;                 ///< 1 (lowest) to 99: real-time (SCHED_FIFO); 0: an ordinary thread
 };
+static_assert(std::is_trivially_copyable_v<ThreadOptions>);
 
 /// A thread on a stack of fixed size that is in memory from the start. Its lowest page is a guard: an overflow ends the
 /// process there instead of writing into somebody else's data. The rest is painted, so that stack_peak() can tell how

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "drivers/image/health_log.h"
 #include "drivers/replay/replay_cursor.h"
@@ -15,6 +16,7 @@ struct ReplayImageOptions {
   int width_px = 0, height_px = 0;  ///< of every image
   int64_t period_ns = 100'000'000;  ///< the camera's rate
 };
+static_assert(std::is_trivially_copyable_v<ReplayImageOptions>);
 
 /// A camera that shows the images of a folder: 8-bit binary PGM, one a shot, each again and again at the camera's rate.
 /// Stamped on the monotonic clock at whole periods since the cursor's epoch; sources of equal periods agree to the

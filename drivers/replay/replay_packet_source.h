@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "drivers/replay/replay_cursor.h"
 #include "runtime/lidar/pcap.h"
@@ -16,6 +17,7 @@ struct ReplayPacketOptions {
   int64_t turn_ns = 100'000'000;   ///< one turn of the sensor: loops are whole turns. 0: loops are whole recordings
   int64_t stall_ns = 100'000'000;  ///< how long a packet waits for the reader before it counts as dropped
 };
+static_assert(std::is_trivially_copyable_v<ReplayPacketOptions>);
 
 /// A LiDAR that sends the recorded packets of a folder, one pcap a shot, at the recording's own pace and over and over.
 /// Packets are stamped on the monotonic clock with the time when they are due. A loop ends after whole turns, so the

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include <termios.h>
 
@@ -20,6 +21,7 @@ struct SerialOptions {
   DevicePath device = {};   ///< "/dev/ttyS0", "/dev/serial/by-path/...", a pty; "-": standard input and output
   uint32_t baud = 115'200;  ///< 9600 to 3000000; unused for "-"
 };
+static_assert(std::is_trivially_copyable_v<SerialOptions>);
 
 /// The console's line: bytes in, bytes out, never waiting. A line that vanishes (a USB adapter) is opened again by its
 /// path, once a second, without end. Standard input and output are opened anew, so that nobody else's become

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "drivers/os/device_path.h"
 #include "drivers/os/file_kernel.h"
@@ -14,6 +15,7 @@ struct WatchdogOptions {
   DevicePath device = {};  ///< "/dev/watchdog0"
   int timeout_s = 10;      ///< the machine restarts when it was not fed for so long
 };
+static_assert(std::is_trivially_copyable_v<WatchdogOptions>);
 
 /// The machine's watchdog: runs from start() on. Only stop_in_order() tells it to stop; whoever vanishes otherwise, by
 /// a crash or by the destructor, leaves it running, and the machine restarts.
