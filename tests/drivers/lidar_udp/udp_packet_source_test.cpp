@@ -1,10 +1,12 @@
 #include "drivers/lidar_udp/udp_packet_source.h"
 
 #include <array>
+#include <cerrno>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include "drivers/os/linux_clocks.h"
@@ -227,6 +229,20 @@ TEST_F(UdpPacketSourceTest, StoppedAndStarted_CountsAnew) {
   EXPECT_EQ(source_->counters().delivered, 1U);
   ASSERT_TRUE(source_->start().ok());
   EXPECT_EQ(source_->counters().delivered, 0U);
+  ASSERT_TRUE(lidar.send(payload(1206, 1)));
+  EXPECT_EQ(drain(), 1U);
+}
+
+TEST_F(UdpPacketSourceTest, ReceiveThatFails_IsCountedWithItsReason) {
+  start(options());
+  const UniqueFd file(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  ASSERT_EQ(::dup2(file.get(), source_->fd()), source_->fd());  // what is received from is no socket any more
+  EXPECT_EQ(drain(), 0U);
+  EXPECT_EQ(drain(), 0U);
+  EXPECT_EQ(source_->counters().errors, 2U);
+  EXPECT_EQ(source_->counters().error_number, ENOTSOCK);
+  ASSERT_TRUE(source_->start().ok()) << "started anew, it works again";
+  UdpSender lidar("127.0.0.1", "127.0.0.1", port_);
   ASSERT_TRUE(lidar.send(payload(1206, 1)));
   EXPECT_EQ(drain(), 1U);
 }
