@@ -10,6 +10,7 @@
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "drivers/os/unique_fd.h"
 
@@ -23,14 +24,18 @@ inline sockaddr_in ipv4(const char* address, uint16_t port) {
   return result;
 }
 
-/// A free UDP port of this host.
+/// A UDP port that nobody on this host has, another one with every call. Below those that the kernel gives away by
+/// itself (ip_local_port_range), so that none of the senders' gets it meanwhile.
 inline uint16_t free_port() {
-  const UniqueFd fd(::socket(AF_INET, SOCK_DGRAM, 0));
-  sockaddr_in address = ipv4("127.0.0.1", 0);
-  socklen_t size = sizeof address;
-  EXPECT_EQ(::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  EXPECT_EQ(::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
-  return ntohs(address.sin_port);
+  static int calls = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto port = static_cast<uint16_t>(10'000 + (::getpid() * 37 + ++calls) % 20'000);
+    const UniqueFd fd(::socket(AF_INET, SOCK_DGRAM, 0));
+    const sockaddr_in address = ipv4("0.0.0.0", port);
+    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return port;
+  }
+  ADD_FAILURE() << "no free port";
+  return 0;
 }
 
 /// A LiDAR: sends from an address of this host to a port of it.
