@@ -13,6 +13,7 @@ using ports::ImageFault;
 namespace {
 
 constexpr int64_t kLookAfterNs = 1'000'000'000;
+constexpr int64_t kPauseNs = 1'000'000;
 // Whoever computes must not keep buffers from going back to the library. Without the right to it the thread is an
 // ordinary one.
 constexpr int kPriority = 5;
@@ -257,6 +258,9 @@ void RelayWorker::give_back_returned() {
 }
 
 void RelayWorker::watch(int64_t until_ns) {
+  // A camera that runs away must not take the processor from everybody with this thread's priority.
+  clocks_.sleep_until(drained_ns_ + kPauseNs);
+  drained_ns_ = now_ns();
   give_back_returned();
   fire_if_wanted();
   drain();

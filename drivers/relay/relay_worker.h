@@ -103,6 +103,7 @@ class RelayWorker final : public Thread::Body, public LibraryCamera::Wake {
   SequenceCount numbers_;
   bool open_ = false;
   int64_t looked_after_ns_ = 0;
+  int64_t drained_ns_ = 0;
 
   std::atomic<int64_t> in_call_since_ns_{0};  // 0: the library has returned
   std::atomic<bool> hang_told_{false};
