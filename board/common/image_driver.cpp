@@ -1,5 +1,6 @@
 #include "board/common/image_driver.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace roomcal::board {
@@ -91,6 +92,23 @@ drivers::AravisOptions aravis_options(const profile::CameraProfile& camera, cons
 }
 #endif
 
+#if ROOMCAL_LIBCAMERA
+Status libcamera_options(const profile::CameraProfile& camera, drivers::LibcameraOptions& options) {
+  const profile::CameraWiring& w = camera.wiring;
+  ROOMCAL_TRY(take_formats(w, options.formats));
+  if (w.trigger != profile::TriggerMode::kFree)
+    return {StatusCode::kUnsupported, "libcamera knows no triggers: let the camera run free"};
+  options.key = w.key.view();
+  options.width_px = camera.intrinsics.width_px;
+  options.height_px = camera.intrinsics.height_px;
+  options.frame_rate_hz = w.rate_hz;
+  options.exposure_us = static_cast<int32_t>(w.exposure_us);
+  options.analogue_gain = static_cast<float>(std::max(w.gain, 0.0));
+  options.buffers = w.buffers;
+  return ok_status();
+}
+#endif
+
 }  // namespace
 
 std::size_t ImageDriver::memory_bytes(const profile::CameraProfile& camera, const drivers::ReplayCursor& replay) {
@@ -124,10 +142,13 @@ Status ImageDriver::choose(const profile::CameraProfile& camera, const profile::
 #endif
     case profile::ImageDriver::kLibcamera:
 #if ROOMCAL_LIBCAMERA
-      relay_ = &driver_.emplace<drivers::LibcameraImageSource>(camera.name.view(), libcamera_options(camera),
-                                                               parts.clocks, parts.log);
+    {
+      drivers::LibcameraOptions options;
+      ROOMCAL_TRY(libcamera_options(camera, options));
+      relay_ = &driver_.emplace<drivers::LibcameraImageSource>(camera.name.view(), options, parts.clocks, parts.log);
       source_ = relay_;
       return ok_status();
+    }
 #else
       return {StatusCode::kUnsupported, "this program was built without libcamera: build it with ROOMCAL_LIBCAMERA"};
 #endif

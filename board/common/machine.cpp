@@ -182,7 +182,8 @@ Status Machine::open_trigger(Reason& why) {
 #if ROOMCAL_ARAVIS || ROOMCAL_LIBCAMERA
   auto& trigger = trigger_.emplace<drivers::SoftwareTrigger>(clocks_);
   for (std::size_t i = 0; i < files_.profile->cameras.size(); ++i) {
-    if (image_drivers_[i].relay() == nullptr) continue;
+    const bool listens = files_.profile->cameras[i].wiring.trigger == profile::TriggerMode::kSoftware;
+    if (!listens || image_drivers_[i].relay() == nullptr) continue;
     if (const Status added = trigger.add(*image_drivers_[i].relay()); !added.ok()) return fail(added, "trigger", why);
   }
   sources_.trigger = &trigger;
