@@ -24,11 +24,14 @@ Path path_of(const LedOptions& options, std::string_view file) {
 
 std::string_view first_line(std::string_view text) { return text.substr(0, text.find('\n')); }
 
-/// The one in brackets of "none [heartbeat] timer"; of a plain file its only word.
+/// The one in brackets of "none [heartbeat] timer", or the only word of a plain file; empty if the list is cut before
+/// it.
 std::string_view chosen(std::string_view triggers) {
   const std::size_t open = triggers.find('['), close = triggers.find(']');
-  if (open == std::string_view::npos || close == std::string_view::npos || close < open) return first_line(triggers);
-  return triggers.substr(open + 1, close - open - 1);
+  if (open != std::string_view::npos && close != std::string_view::npos && close > open)
+    return triggers.substr(open + 1, close - open - 1);
+  const std::string_view line = first_line(triggers);
+  return line.find(' ') == std::string_view::npos ? line : std::string_view();
 }
 
 }  // namespace
@@ -50,11 +53,13 @@ Status LedIndicator::start() {
   const auto content = [&](std::string_view name) {
     return std::string_view(text.data(), static_cast<std::size_t>(std::max(read_file(name, text), 0L)));
   };
-  trigger_before_ = chosen(content(kTrigger));
+  const std::string_view triggers = content(kTrigger);
+  const bool has_trigger = !triggers.empty();
+  trigger_before_ = chosen(triggers);
   brightness_before_ = first_line(content(kBrightness));
   full_ = first_line(content(kMaxBrightness));
   if (full_.empty()) full_ = "1";
-  if (!trigger_before_.empty() && !write_file(kTrigger, "none"))
+  if (has_trigger && !write_file(kTrigger, "none"))
     return {StatusCode::kUnavailable, "the lamp's trigger cannot be taken off; check the permissions in its folder"};
   if (!show(false))
     return {StatusCode::kUnavailable, "the lamp cannot be written; check its folder below /sys/class/leds"};

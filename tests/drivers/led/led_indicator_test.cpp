@@ -87,6 +87,17 @@ TEST_F(LedIndicatorTest, TriggerThatCannotBeTakenOff_IsNamedAndLeft) {
   EXPECT_EQ(read("brightness"), "1\n");
 }
 
+// One trigger a processor core and more: the list may be longer than what is read of it.
+TEST_F(LedIndicatorTest, ListOfTriggersCutBeforeItsChoice_IsTakenOffAndStaysOff) {
+  std::string list = "none";
+  for (int i = 0; i < 600; ++i) list += " cpu" + std::to_string(i) + "-active";
+  write("trigger", list + " [timer]\n");
+  ASSERT_TRUE(lamp_.start().ok());
+  EXPECT_EQ(read("trigger"), "none");
+  lamp_.stop();
+  EXPECT_EQ(read("trigger"), "none");
+}
+
 TEST_F(LedIndicatorTest, OddTriggerFiles_DoNoHarm) {
   for (const char* text :
        {"", "[", "]a[", "[]", "[a-name-that-is-far-longer-than-any-trigger-of-the-kernel-ever-was]"}) {
