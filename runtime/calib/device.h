@@ -5,6 +5,7 @@
 #include "runtime/base/fixed_text.h"
 #include "runtime/base/fixed_vector.h"
 #include "runtime/camera/camera.h"
+#include "runtime/camera/parameters.h"
 #include "runtime/math/se3.h"
 #include "runtime/rig/camera_rig.h"
 #include "runtime/scan/sensor_model.h"
@@ -33,6 +34,8 @@ struct CameraSpec {
   NominalMounting nominal;
   /// What the intrinsics leave, per axis: the reprojection error of their own calibration; 0: exact.
   double sigma_px = 0;
+  /// How far off the intrinsics may be, where they are refined along.
+  camera::IntrinsicsSigma intrinsics_sigma = {};
 };
 
 struct LidarSpec {
@@ -47,6 +50,14 @@ struct Device {
   FixedVector<CameraSpec, kMaxCameras> cameras;
   std::size_t reference = 0;  ///< number of the reference camera
   FixedVector<LidarSpec, kMaxLidars> lidars;
+  bool refine_intrinsics = false;  ///< of every camera along with the extrinsics, by its intrinsics_sigma
+
+  /// Sigma of every parameter of a camera, as the joint solution takes it; zero if intrinsics are held.
+  camera::Parameters intrinsics_sigma(std::size_t number) const {
+    const CameraSpec& spec = cameras[number];
+    return refine_intrinsics ? camera::parameter_sigmas(spec.camera, spec.intrinsics_sigma)
+                             : camera::Parameters(camera::Parameters::Zero());
+  }
 };
 
 }  // namespace roomcal::calib

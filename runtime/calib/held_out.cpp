@@ -18,16 +18,41 @@ constexpr double kMedianOfSquare = 1.3862943611198906;  // chi-square with two d
 
 bool is_held_out(const rig::RingObservation& ring) { return ring.landmark % kEvery == kEvery / 2; }
 
-/// Squared miss of one ring in its predicted sigmas; negative if it cannot be predicted.
-double squared_miss(const camera::Camera& camera, const SE3& T_room_cam, const Mat66& cov_pose,
-                    const rig::RingObservation& ring, const rig::Landmark& landmark, double sigma_floor_px) {
-  rig::Reprojection at;
-  if (!rig::reproject(camera, T_room_cam, landmark.p_room, ring.centre_px, at).ok()) return -1;
-  Mat22 cov = ring.cov_px2 + at.J_pose * cov_pose * at.J_pose.transpose() +
-              at.J_point * landmark.cov_m2 * at.J_point.transpose();
-  cov.diagonal().array() += sigma_floor_px * sigma_floor_px;
-  return at.residual_px.dot(cov.ldlt().solve(at.residual_px));
-}
+/// What one camera predicts with: where the kept markers put it, and its lens.
+struct Predictor {
+  const camera::Camera& camera;
+  const SE3& T_room_cam;
+  Mat66 cov_pose;
+  Eigen::Matrix<double, 6, camera::kIntrinsicsCount> cov_pose_lens;
+  camera::ParameterMatrix cov_lens;
+  double sigma_floor_px;
+
+  Predictor(const Session& session, const rig::RigSolution& kept, std::size_t number, std::size_t view)
+      : camera(kept.lens_of(view) != nullptr ? kept.lens_of(view)->camera : session.device.cameras[number].camera),
+        T_room_cam(kept.T_room_sensor[view]),
+        cov_pose(kept.cov_block(view, view)),
+        cov_pose_lens(decltype(cov_pose_lens)::Zero()),
+        cov_lens(camera::ParameterMatrix::Zero()),
+        sigma_floor_px(session.sigma_floor_px) {
+    const rig::RefinedLens* lens = kept.lens_of(view);
+    if (lens == nullptr) return;
+    const auto number_of_lens = static_cast<std::size_t>(lens - kept.lenses.data());
+    cov_pose_lens = kept.cov_pose_lens(view, number_of_lens);
+    cov_lens = kept.cov_lens(number_of_lens);
+  }
+
+  /// Squared miss of one ring in its predicted sigmas; negative if it cannot be predicted.
+  double squared_miss(const rig::RingObservation& ring, const rig::Landmark& landmark) const {
+    rig::Reprojection at;
+    if (!rig::reproject(camera, T_room_cam, landmark.p_room, ring.centre_px, at).ok()) return -1;
+    Mat22 cov = ring.cov_px2 + at.J_pose * cov_pose * at.J_pose.transpose() +
+                at.J_point * landmark.cov_m2 * at.J_point.transpose();
+    const Mat22 cross = at.J_pose * cov_pose_lens * at.J_intrinsics.transpose();
+    cov += cross + cross.transpose() + at.J_intrinsics * cov_lens * at.J_intrinsics.transpose();
+    cov.diagonal().array() += sigma_floor_px * sigma_floor_px;
+    return at.residual_px.dot(cov.ldlt().solve(at.residual_px));
+  }
+};
 
 /// Typical miss in predicted sigmas; reorders the squares.
 double typical(std::span<double> squares) {
@@ -44,10 +69,9 @@ std::size_t predict(const Session& session, const rig::RigSolution& kept, std::s
     const CameraOutcome& camera = outcome.cameras[i];
     if (!camera.located) continue;
     const std::size_t first = count;
-    const Mat66 cov_pose = kept.cov_block(camera.view, camera.view);
+    const Predictor predictor(session, kept, i, camera.view);
     for (const rig::RingObservation& ring : camera.rings.subspan(camera.kept_rings)) {
-      const double miss = squared_miss(session.device.cameras[i].camera, kept.T_room_sensor[camera.view], cov_pose,
-                                       ring, outcome.landmarks[ring.landmark], session.sigma_floor_px);
+      const double miss = predictor.squared_miss(ring, outcome.landmarks[ring.landmark]);
       if (miss >= 0) misses[count++] = miss;
     }
     const double own = count > first ? typical(misses.subspan(first, count - first)) : -1;

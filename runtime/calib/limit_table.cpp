@@ -7,7 +7,7 @@ namespace roomcal::calib {
 
 namespace {
 
-constexpr std::array<LimitField, 15> kLimits = {{
+constexpr std::array<LimitField, 16> kLimits = {{
     {"min_inliers", &Limits::min_inliers, 6, 500},
     {"advise_inliers", &Limits::advise_inliers, 0, 500},
     {"advise_coverage", &Limits::advise_coverage, 0, 1},
@@ -21,6 +21,7 @@ constexpr std::array<LimitField, 15> kLimits = {{
     {"max_sigma_t_m", &Limits::max_sigma_t_m, 1e-6, 1},
     {"max_sigma_rot_deg", &Limits::max_sigma_rot_rad, 1e-5, 10, kPi / 180},
     {"max_nominal_sigmas", &Limits::max_nominal_sigmas, 1, 100},
+    {"max_intrinsics_sigmas", &Limits::max_intrinsics_sigmas, 1, 100},
     {"moved_p_value", &Limits::moved_p_value, 1e-12, 0.5},
     {"advise_beam_sigmas", &Limits::advise_beam_sigmas, 1, 100},
 }};

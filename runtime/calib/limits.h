@@ -29,6 +29,8 @@ struct Limits {
   double max_sigma_rot_rad = 0.05 * kPi / 180.0;
   /// Distance from the nominal mounting in its own sigmas, per axis, above which a sensor sits where it should not.
   double max_nominal_sigmas = 5.0;
+  /// Of a refined camera parameter from its given value in that one's sigmas, above which these are not its intrinsics.
+  double max_intrinsics_sigmas = 5.0;
   /// Typical miss of markers that took no part, in predicted sigmas: 1 is clean; what the map or the intrinsics hide
   /// from the fit shows here.
   double advise_held_out_sigmas = 2.0;

@@ -1,9 +1,13 @@
 #include <algorithm>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "runtime/base/reason.h"
 #include "runtime/calib/locate_sensors.h"
 #include "runtime/calib/misfit.h"
 #include "runtime/calib/preflight.h"
+#include "runtime/rig/reprojection.h"
 
 namespace roomcal::calib {
 
@@ -12,6 +16,7 @@ namespace {
 CameraOutcome& add_camera(const CameraSpec& spec, Outcome& outcome) {
   CameraOutcome camera;
   camera.name = spec.name;
+  camera.camera = spec.camera;
   static_cast<void>(outcome.cameras.push_back(camera));  // as many as the device's, same capacity
   return outcome.cameras.back();
 }
@@ -38,6 +43,26 @@ pose::Observation to_observation(const marker::Detection& detection) {
           detection.ellipse.angle_rad};
 }
 
+/// What intrinsics that may be off leave of a located pose, beside what each ring's own covariance says: they move all
+/// rings of the image together. With H = sum J' W J and F = sum J' W J_k sigma_k it is H^-1 F F' H^-1.
+Mat66 cov_by_intrinsics(const camera::Camera& camera, const camera::Parameters& sigma,
+                        std::span<const pose::Observation> observations, const map::TriangleIndex& index,
+                        const pose::CameraLocation& location) {
+  Mat66 H = Mat66::Zero();
+  Eigen::Matrix<double, 6, camera::kIntrinsicsCount> F = decltype(F)::Zero();
+  for (const pose::Correspondence& inlier : location.inliers) {
+    const pose::Observation& seen = observations[inlier.observation];
+    rig::Reprojection at;
+    const Vec3& p_room = index.markers()[inlier.marker].p_room;
+    if (!rig::reproject(camera, location.T_room_cam, p_room, seen.centre_px, at).ok()) continue;
+    const Eigen::Matrix<double, 6, 2> JtW = at.J_pose.transpose() * seen.cov_px2.inverse();
+    H += JtW * at.J_pose;
+    F += JtW * at.J_intrinsics * sigma.asDiagonal();
+  }
+  const Eigen::Matrix<double, 6, camera::kIntrinsicsCount> G = H.ldlt().solve(F);
+  return G * G.transpose();
+}
+
 /// A better reason than "not found", where there is one: then it is no longer the operator's to mend.
 void explain(const CameraSpec& spec, std::span<pose::Observation> observations, const map::TriangleIndex& index,
              Arenas& arenas, CameraOutcome& camera) {
@@ -49,13 +74,19 @@ void explain(const CameraSpec& spec, std::span<pose::Observation> observations, 
 
 Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraOutcome& camera) {
   const auto observations = arenas.step.allocate<pose::Observation>(camera.usable_detections);
-  for (std::size_t k = 0; k < observations.size(); ++k) observations[k] = to_observation(camera.detections[k]);
+  const camera::Camera& lens = session.device.cameras[i].camera;
+  const camera::Parameters sigma = session.device.intrinsics_sigma(i);
+  const bool refine = !sigma.isZero(0);
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    observations[k] = to_observation(camera.detections[k]);
+    if (refine) observations[k].cov_px2 += camera::pixel_covariance(lens, sigma, observations[k].centre_px);
+  }
   pose::LocateOptions options;
   options.min_inliers = static_cast<int>(session.limits.min_inliers);
   options.min_log_likelihood_gap = session.limits.min_log_likelihood_gap;
   pose::CameraLocation location;
-  const Status status = pose::locate_camera(session.device.cameras[i].camera, observations, session.index, options,
-                                            arenas.step, arenas.scratch, location);
+  const Status status =
+      pose::locate_camera(lens, observations, session.index, options, arenas.step, arenas.scratch, location);
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) {
     camera.failure = sensor_reason(camera.name, status);
@@ -66,6 +97,7 @@ Status locate_one(const Session& session, std::size_t i, Arenas& arenas, CameraO
   camera.located = true;
   camera.T_room_cam = location.T_room_cam;
   camera.cov_room_cam = location.cov;
+  if (refine) camera.cov_room_cam += cov_by_intrinsics(lens, sigma, observations, session.index, location);
   camera.inliers = location.inliers;
   camera.coverage = location.coverage;
   camera.log_likelihood_gap = location.log_likelihood_gap;

@@ -35,14 +35,14 @@ std::size_t surface_scratch_bytes(const map::RoomMap& map) {
 
 MemoryPlan plan_memory(const Device& device, const map::RoomMap& map) {
   const std::size_t cameras = device.cameras.size(), lidars = device.lidars.size(), markers = map.marker_count();
-  const std::size_t sensors = cameras + lidars;
+  const std::size_t sensors = cameras + lidars, lenses = device.refine_intrinsics ? cameras : 0;
   MemoryPlan plan;
   plan.permanent_bytes = map::TriangleIndex::bytes(markers, map.triangles().size());
   plan.step_bytes = cameras * step_bytes_per_camera() + array_bytes<rig::Landmark>(markers) +
                     // As often as a LiDAR is located again, and once without the held-out markers.
-                    3 * rig::solve_step_bytes(sensors) + array_bytes<double>(cameras * kMaxDetections / 2);
+                    3 * rig::solve_step_bytes(sensors, lenses) + array_bytes<double>(cameras * kMaxDetections / 2);
   plan.scratch_bytes = std::max(pose::locate_scratch_bytes(kMaxDetections) + array_bytes<double>(kMaxDetections),
-                                rig::solve_scratch_bytes(sensors, cameras * kMaxDetections, markers));
+                                rig::solve_scratch_bytes(sensors, cameras * kMaxDetections, markers, lenses));
   for (const CameraSpec& camera : device.cameras) {
     const camera::Intrinsics& k = camera.camera.intrinsics();
     plan.scratch_bytes = std::max(plan.scratch_bytes, marker::detector_scratch_bytes(k.width_px, k.height_px));

@@ -63,7 +63,7 @@ Reason explain_misfit(const CameraSpec& camera, std::span<pose::Observation> obs
         who.length, who.text, ratio);
   return make_reason(
       "%.*s: %zu of %zu markers fit a pose to %.2f px only, not as well as claimed: intrinsics of another "
-      "camera? else give it sigma_px in device.yaml, or the map its --sigma",
+      "camera? else refine them along, give it sigma_px in device.yaml, or the map its --sigma",
       who.length, who.text, location.inliers.size(), observations.size(), location.rms_px);
 }
 

@@ -29,9 +29,10 @@ struct CameraOutcome {
   SensorName name;
   bool has_image = false;
   bool located = false;
-  bool in_rig = false;                 ///< located, and so is the reference: T_rig_cam is valid
-  SE3 T_rig_cam;                       ///< after the joint solution
-  SE3 T_room_cam;                      ///< after the joint solution
+  bool in_rig = false;    ///< located, and so is the reference: T_rig_cam is valid
+  camera::Camera camera;  ///< as provisioned; refined if the device says so, solution.lens_of(view) how far
+  SE3 T_rig_cam;          ///< after the joint solution
+  SE3 T_room_cam;         ///< after the joint solution
   Mat66 cov_room_cam = Mat66::Zero();  ///< of T_room_cam as this camera alone tells
   Mat66 cov_rig_cam = Mat66::Zero();   ///< of T_rig_cam, right perturbation (m, rad); zero for the reference itself
   std::span<marker::Detection> detections;  ///< lives in the step arena; usable ones first

@@ -37,6 +37,25 @@ void judge_location(const CameraOutcome& camera, const Limits& limits, Judgement
                               name.length, name.text, 100 * camera.coverage));
 }
 
+/// Refined parameters against the given ones.
+void judge_intrinsics(const CameraOutcome& camera, const rig::RigSolution& solution, const Limits& limits,
+                      Judgement& judgement) {
+  const rig::RefinedLens* lens = camera.located ? solution.lens_of(camera.view) : nullptr;
+  if (lens == nullptr) return;
+  const camera::Parameters refined = camera::parameters_of(lens->camera.intrinsics());
+  for (Eigen::Index k = 0; k < camera::kIntrinsicsCount; ++k) {
+    const double off = std::abs(refined[k] - lens->prior[k]);
+    if (off <= limits.max_intrinsics_sigmas * lens->prior_sigma[k]) continue;
+    const Name name(camera.name);
+    judgement.add(Verdict::kFailService,
+                  make_reason("%.*s: its %s comes out %.1f sigma from what the device says: calibrate this lens again; "
+                              "or is it another camera's?",
+                              name.length, name.text, camera::kParameterNames[static_cast<std::size_t>(k)],
+                              off / lens->prior_sigma[k]));
+    return;  // one is enough to have it looked at
+  }
+}
+
 /// The camera whose rings fit worst, for whom to look at first.
 SensorName worst_fitting(const Outcome& outcome) {
   SensorName worst;
@@ -117,6 +136,7 @@ void judge(const Device& device, const Limits& limits, Outcome& outcome) {
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     const CameraOutcome& camera = outcome.cameras[i];
     judge_location(camera, limits, judgement);
+    judge_intrinsics(camera, outcome.solution, limits, judgement);
     if (!camera.in_rig || i == outcome.reference) continue;
     judge_covariance(camera.name, camera.cov_rig_cam, limits, judgement);
     judge_mounting(camera.name, device.cameras[i].nominal, camera.T_rig_cam, limits, judgement);

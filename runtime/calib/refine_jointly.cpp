@@ -62,6 +62,7 @@ void take_cameras(Outcome& outcome) {
     if (!camera.located) continue;
     camera.T_room_cam = outcome.solution.T_room_sensor[camera.view];
     camera.rms_px = outcome.solution.rms_px[camera.view];
+    if (const rig::RefinedLens* lens = outcome.solution.lens_of(camera.view)) camera.camera = lens->camera;
     if (!reference.located) continue;
     camera.in_rig = true;
     if (&camera == &reference) continue;  // the rig frame is its own: identity, exact
@@ -151,7 +152,8 @@ void number_sensors(const Session& session, Outcome& outcome, JointProblemInput&
     if (!camera.located) continue;
     camera.view = joint.cameras.size();
     if (i == outcome.reference) joint.reference = camera.view;
-    static_cast<void>(joint.cameras.push_back({&session.device.cameras[i].camera, camera.rings, camera.T_room_cam}));
+    static_cast<void>(joint.cameras.push_back(
+        {&session.device.cameras[i].camera, camera.rings, camera.T_room_cam, session.device.intrinsics_sigma(i)}));
   }
   for (std::size_t i = 0; i < outcome.lidars.size(); ++i) {
     LidarOutcome& lidar = outcome.lidars[i];

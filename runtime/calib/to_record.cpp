@@ -6,13 +6,13 @@ namespace roomcal::calib {
 
 namespace {
 
-store::SensorRecord to_sensor(const CameraOutcome& camera, const CameraSpec& spec) {
+store::SensorRecord to_sensor(const CameraOutcome& camera) {
   store::SensorRecord sensor;
   sensor.name = camera.name;
   sensor.kind = store::SensorKind::kCamera;
   sensor.T_rig_sensor = camera.T_rig_cam;
   sensor.cov_rig_sensor = 0.5 * (camera.cov_rig_cam + camera.cov_rig_cam.transpose());
-  sensor.intrinsics = spec.camera.intrinsics();
+  sensor.intrinsics = camera.camera.intrinsics();
   sensor.evidence = {static_cast<uint32_t>(camera.usable_detections), static_cast<uint32_t>(camera.inliers.size()),
                      camera.rms_px, camera.coverage, camera.log_likelihood_gap};
   return sensor;
@@ -58,7 +58,7 @@ Status to_record(const Outcome& outcome, const Device& device, const RecordConte
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (!outcome.cameras[i].in_rig) continue;
     if (i == outcome.reference) record.reference = record.sensors.size();
-    if (!record.sensors.push_back(to_sensor(outcome.cameras[i], device.cameras[i])))
+    if (!record.sensors.push_back(to_sensor(outcome.cameras[i])))
       return {StatusCode::kCapacity, "more sensors than a record holds"};
   }
   for (std::size_t i = 0; i < outcome.lidars.size(); ++i)

@@ -7,6 +7,7 @@
 #include "runtime/base/arena.h"
 #include "runtime/base/status.h"
 #include "runtime/camera/camera.h"
+#include "runtime/camera/parameters.h"
 #include "runtime/math/pose_information.h"
 #include "runtime/math/se3.h"
 
@@ -34,6 +35,9 @@ struct CameraView {
   const camera::Camera* camera = nullptr;
   std::span<const RingObservation> observations;
   SE3 T_room_cam;  ///< start value
+  /// How far its parameters may be off, 1-sigma, independent of each other. They are refined along with the poses, with
+  /// this as prior; one of 0 is held, and so are all by default.
+  camera::Parameters intrinsics_sigma = camera::Parameters::Zero();
 };
 
 /// Where the drawing puts a LiDAR on the reference camera, and how far off it may be, per axis. Takes part as a
@@ -77,22 +81,44 @@ enum class StopReason : uint8_t {
   kMaxIterations,  ///< the last step was below 0.01 sigma when the rounds were used up: good to use all the same
 };
 
+/// A camera's intrinsics as they were refined along.
+struct RefinedLens {
+  std::size_t view = 0;
+  camera::Camera camera;
+  camera::Parameters prior = camera::Parameters::Zero();
+  camera::Parameters prior_sigma = camera::Parameters::Zero();
+  camera::Parameters sigma = camera::Parameters::Zero();  ///< after the fit, poses and map free
+
+  /// Whether the shot told a parameter, or the prior did: it brought at least as much information as the prior had.
+  bool told_by_shot(Eigen::Index parameter) const {
+    return 2 * sigma[parameter] * sigma[parameter] <= prior_sigma[parameter] * prior_sigma[parameter] &&
+           prior_sigma[parameter] > 0;
+  }
+};
+
 /// The joint solution. All spans live in the step arena; index = number of the sensor: cameras, then LiDARs.
 struct RigSolution {
   std::span<SE3> T_room_sensor;
-  /// Joint covariance of all poses, 6n x 6n row-major, right perturbations (m, rad). Predicted from the inputs'
-  /// covariances and the robust weights, not scaled by the residuals: chi2 says whether to believe it.
+  /// Joint covariance of all poses and, after them, of every refined camera's parameters (8 each): square, row-major,
+  /// right perturbations (m, rad), parameters in their units. Predicted from the inputs' covariances and the robust
+  /// weights, not scaled by the residuals: chi2 says whether to believe it.
   std::span<double> cov_room;
+  std::span<RefinedLens> lenses;  ///< view by view; empty if all intrinsics were held
   std::span<double> rms_px;       ///< per camera, all observations, after the fit
   std::span<uint16_t> outliers;   ///< per camera, observations that the robust loss has put aside
   std::span<double> chi2_camera;  ///< per camera, whitened squares of its inliers' residuals
-  double chi2 = 0;                ///< whitened squares of the inliers' residuals and of the map prior, after the fit
+  double chi2 = 0;                ///< whitened squares of the inliers' residuals and of the priors, after the fit
   int degrees_of_freedom = 0;     ///< 2 x inliers - 6 x cameras: the expectation of chi2 if all covariances are true
   int iterations = 0;
   StopReason stop = StopReason::kMaxIterations;
 
   /// Covariance between the poses of sensors i and j: E[xi_i xi_j^T].
   Mat66 cov_block(std::size_t i, std::size_t j) const;
+  /// Covariance of the parameters of a refined lens, and between a sensor's pose and them; `lens` numbers `lenses`.
+  camera::ParameterMatrix cov_lens(std::size_t lens) const;
+  Eigen::Matrix<double, 6, camera::kIntrinsicsCount> cov_pose_lens(std::size_t sensor, std::size_t lens) const;
+  /// The refined lens of a camera; null if it was held.
+  const RefinedLens* lens_of(std::size_t view) const;
 };
 
 /// T_a_b of two sensors of one solution and its covariance (right perturbation, frame b).
@@ -105,16 +131,18 @@ struct RelativePose {
 /// sensors.
 RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size_t b);
 
-/// Scratch that solve_rig() needs, bytes; sensors: cameras and LiDARs; observations of all cameras together.
-std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks);
+/// Scratch that solve_rig() needs, bytes; sensors: cameras and LiDARs; observations of all cameras together; lenses:
+/// cameras whose intrinsics are refined.
+std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks,
+                                std::size_t lenses = 0);
 /// Step memory that the solution occupies, bytes.
-std::size_t solve_step_bytes(std::size_t sensors);
+std::size_t solve_step_bytes(std::size_t sensors, std::size_t lenses = 0);
 
 /// All sensors of a shot in one robust Levenberg-Marquardt: cameras on reprojection [P, III-B] with the map's
 /// covariance as prior, LiDARs by the information that their points carry, mounts as priors between them.
 ///
-/// Minimizes over poses and map points
-///     sum rho(|project(T_cam_room p) - centre|^2_cov) + sum |p - p_prior|^2_cov
+/// Minimizes over poses, map points, and the parameters k of cameras that have a prior for them,
+///     sum rho(|project_k(T_cam_room p) - centre|^2_cov) + sum |p - p_prior|^2_cov + sum |(k - k_prior) / sigma|^2
 ///     + sum (xi' information xi - 2 gradient . xi) + sum |log(T_lidar_reference T_room_reference^-1 T_room_lidar)|^2.
 /// The points are eliminated by the Schur complement (3x3 blocks), so the cost is linear in observations.
 /// @param[out] solution  filled only for kOk.

@@ -47,8 +47,8 @@ bool sigma_small(const Mat33& cov) {
 }  // namespace
 
 Status invert_information(std::span<double> information, std::size_t sensors, std::span<double> cov,
-                          std::size_t& degenerate_view, std::size_t lidars) {
-  const std::size_t size = 6 * sensors, cameras = sensors - lidars;
+                          std::size_t& degenerate_view, std::size_t lidars, std::size_t others) {
+  const std::size_t size = 6 * sensors + others, cameras = sensors - lidars;
   for (std::size_t view = 0; view < cameras; ++view) {
     degenerate_view = view;
     if (!every_motion_seen(diagonal_block(information, size, view))) return kUndetermined;

@@ -20,6 +20,8 @@ Status check_view(const CameraView& view, std::size_t landmark_count) {
   if (view.camera == nullptr) return {StatusCode::kInvalidArgument, "a view has no camera model"};
   if (!is_rigid(view.T_room_cam))
     return {StatusCode::kInvalidArgument, "a view's start pose is not a finite rigid transform"};
+  if (!view.intrinsics_sigma.allFinite() || view.intrinsics_sigma.minCoeff() < 0)
+    return {StatusCode::kInvalidArgument, "the sigmas of a camera's intrinsics must be finite and not negative"};
   for (const RingObservation& observation : view.observations) {
     Mat22 W;
     if (!observation.centre_px.allFinite()) return {StatusCode::kInvalidArgument, "a ring centre is not finite"};

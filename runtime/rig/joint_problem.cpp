@@ -18,7 +18,11 @@ constexpr double kWidestTurnOver = 1e6;
 
 void lay_out_view(const CameraView& view, std::size_t number, double sigma_floor_px, JointProblem& problem,
                   uint32_t& next) {
-  problem.views[number] = {view.camera, next, static_cast<uint32_t>(view.observations.size()), kWidestTurnOver};
+  ViewTerms& terms = problem.views[number];
+  terms.camera = view.camera;
+  terms.first = next;
+  terms.count = static_cast<uint32_t>(view.observations.size());
+  terms.turn_over = kWidestTurnOver;
   problem.state.T_room_sensor[number] = view.T_room_cam;
   for (const RingObservation& observation : view.observations) {
     Term& term = problem.terms[next++];
@@ -29,6 +33,33 @@ void lay_out_view(const CameraView& view, std::size_t number, double sigma_floor
     static_cast<void>(whitening(observation.cov_px2 + floor, term.W));  // checked by check_inputs()
     ++problem.landmarks[observation.landmark].count;
   }
+}
+
+bool is_refined(const CameraView& view) { return !view.intrinsics_sigma.isZero(0); }
+
+/// What only a problem with refined intrinsics has. @return kOk or kOutOfMemory.
+Status lay_out_lenses(std::span<const CameraView> views, Arena& scratch, JointProblem& problem) {
+  const auto lenses = static_cast<std::size_t>(std::count_if(views.begin(), views.end(), is_refined));
+  if (lenses == 0) return ok_status();
+  problem.lenses = scratch.allocate<LensTerms>(lenses);
+  problem.J_lens = scratch.allocate<Mat28>(problem.terms.size());
+  for (State* state : {&problem.state, &problem.trial}) {
+    state->v = scratch.allocate<camera::Parameters>(lenses);
+    state->camera = scratch.allocate<camera::Camera>(lenses);
+  }
+  if (problem.lenses.empty() || problem.J_lens.size() != problem.terms.size() || problem.state.v.empty() ||
+      problem.state.camera.empty() || problem.trial.v.empty() || problem.trial.camera.empty())
+    return out_of_arena("scratch arena: no room for refined intrinsics: reserve solve_scratch_bytes()");
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!is_refined(views[i])) continue;
+    problem.views[i].lens = next;
+    problem.lenses[next] = {i, views[i].intrinsics_sigma};
+    problem.state.v[next] = problem.trial.v[next] = camera::Parameters::Zero();
+    problem.state.camera[next] = problem.trial.camera[next] = *views[i].camera;
+    ++next;
+  }
+  return ok_status();
 }
 
 // Counting sort of the terms by landmark.
@@ -83,12 +114,17 @@ Status JointProblem::build(const RigInput& input, const SolveOptions& options, A
   uint32_t next = 0;
   for (std::size_t i = 0; i < views.size(); ++i) lay_out_view(views[i], i, options.sigma_floor_px, problem, next);
   group_by_landmark(problem);
-  return ok_status();
+  return lay_out_lenses(views, scratch, problem);
 }
 
-std::size_t JointProblem::bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks) {
+std::size_t JointProblem::bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks,
+                                std::size_t lenses) {
   constexpr std::size_t kAlignmentSlack = 9 * alignof(std::max_align_t);
-  return observations * (sizeof(Term) + sizeof(uint32_t) + sizeof(double)) +
+  const std::size_t refined =
+      lenses == 0 ? 0
+                  : lenses * (sizeof(LensTerms) + 2 * sizeof(camera::Parameters) + 2 * sizeof(camera::Camera)) +
+                        observations * sizeof(Mat28) + 6 * alignof(camera::Parameters);
+  return refined + observations * (sizeof(Term) + sizeof(uint32_t) + sizeof(double)) +
          sensors * (sizeof(ViewTerms) + 2 * sizeof(SE3)) + landmarks * (sizeof(LandmarkTerms) + 2 * sizeof(Vec3)) +
          kAlignmentSlack;
 }
@@ -99,26 +135,34 @@ double JointProblem::cost(const State& at) const {
     const ViewTerms& view = views[term.view];
     const RedescendingLoss loss(view.turn_over);
     Vec2 residual_px;
-    const bool seen =
-        reproject(*view.camera, at.T_room_sensor[term.view], point_room(at, term.landmark), term.centre_px, residual_px)
-            .ok();
+    const bool seen = reproject(camera(at, term.view), at.T_room_sensor[term.view], point_room(at, term.landmark),
+                                term.centre_px, residual_px)
+                          .ok();
     sum += seen ? loss((term.W * residual_px).squaredNorm()).loss : loss.max_loss();
   }
   for (std::size_t l = 0; l < landmarks.size(); ++l)
     if (!landmarks[l].exact) sum += at.u[l].squaredNorm();
-  return sum + lidar_cost(*this, at);
+  return sum + lens_cost(at) + lidar_cost(*this, at);
+}
+
+double JointProblem::lens_cost(const State& at) const {
+  double sum = 0;
+  for (const camera::Parameters& v : at.v) sum += v.squaredNorm();
+  return sum;
 }
 
 void JointProblem::linearize() {
-  for (Term& term : terms) {
-    const camera::Camera& camera = *views[term.view].camera;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    Term& term = terms[i];
     const Vec3 p_room = point_room(state, term.landmark);
     Reprojection at;
-    term.visible = reproject(camera, state.T_room_sensor[term.view], p_room, term.centre_px, at).ok();
+    term.visible = reproject(camera(state, term.view), state.T_room_sensor[term.view], p_room, term.centre_px, at).ok();
     if (!term.visible) continue;
     term.r = term.W * at.residual_px;
     term.J_pose = term.W * at.J_pose;
     if (!landmarks[term.landmark].exact) term.J_u = (term.W * at.J_point) * landmarks[term.landmark].L;
+    if (const std::size_t lens = views[term.view].lens; lens != kHeldLens)
+      J_lens[i] = (term.W * at.J_intrinsics) * lenses[lens].sigma.asDiagonal();
   }
 }
 
@@ -132,7 +176,7 @@ double JointProblem::reweight() {
   }
   for (std::size_t l = 0; l < landmarks.size(); ++l)
     if (!landmarks[l].exact) sum += state.u[l].squaredNorm();
-  return sum + lidar_cost(*this, state);
+  return sum + lens_cost(state) + lidar_cost(*this, state);
 }
 
 void JointProblem::update_turn_over() {

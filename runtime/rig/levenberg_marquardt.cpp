@@ -23,6 +23,8 @@ void accept_trial(JointProblem& problem) {
   std::copy(problem.trial.T_room_sensor.begin(), problem.trial.T_room_sensor.end(),
             problem.state.T_room_sensor.begin());
   std::copy(problem.trial.u.begin(), problem.trial.u.end(), problem.state.u.begin());
+  std::copy(problem.trial.v.begin(), problem.trial.v.end(), problem.state.v.begin());
+  std::copy(problem.trial.camera.begin(), problem.trial.camera.end(), problem.state.camera.begin());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "runtime/math/dense_ldlt.h"
+#include "runtime/rig/lens_terms.h"
 #include "runtime/rig/lidar_terms.h"
 
 namespace roomcal::rig {
@@ -19,6 +20,10 @@ Block block(std::span<double> S, std::size_t size, std::size_t row_view, std::si
 }
 
 Part part(std::span<double> v, std::size_t view) { return Part(&v[6 * view]); }
+
+Eigen::Map<const camera::Parameters> lens_part(std::span<const double> v, std::size_t offset) {
+  return Eigen::Map<const camera::Parameters>(&v[offset]);
+}
 
 // A and g_x: every observation on its own.
 void add_poses(const JointProblem& problem, NormalEquations& equations) {
@@ -67,8 +72,9 @@ void eliminate(const JointProblem& problem, std::span<const uint32_t> group, con
 
 }  // namespace
 
-Status NormalEquations::build(std::size_t sensors, Arena& scratch, NormalEquations& equations) {
-  equations.size = 6 * sensors;
+Status NormalEquations::build(std::size_t sensors, std::size_t lenses, Arena& scratch, NormalEquations& equations) {
+  equations.sensors = sensors;
+  equations.size = equations.lens_offset(lenses);
   equations.S = scratch.allocate<double>(equations.size * equations.size);
   equations.dx = scratch.allocate<double>(equations.size);
   equations.gradient = scratch.allocate<double>(equations.size);
@@ -77,14 +83,16 @@ Status NormalEquations::build(std::size_t sensors, Arena& scratch, NormalEquatio
   return ok_status();
 }
 
-std::size_t NormalEquations::bytes(std::size_t sensors) {
-  return (36 * sensors * sensors + 12 * sensors) * sizeof(double) + 3 * alignof(double);
+std::size_t NormalEquations::bytes(std::size_t sensors, std::size_t lenses) {
+  const std::size_t size = 6 * sensors + camera::kIntrinsicsCount * lenses;
+  return (size * size + 2 * size) * sizeof(double) + 3 * alignof(double);
 }
 
 void NormalEquations::assemble(JointProblem& problem, double damping) {
   std::fill(S.begin(), S.end(), 0.0);
   std::fill(gradient.begin(), gradient.end(), 0.0);
   add_poses(problem, *this);
+  add_lenses(problem, *this);
   add_lidars(problem, *this);
   for (std::size_t i = 0; i < size; ++i) {
     S[i * size + i] *= 1 + damping;
@@ -96,6 +104,7 @@ void NormalEquations::assemble(JointProblem& problem, double damping) {
     const auto group = problem.by_landmark.subspan(landmark.first, landmark.count);
     form_landmark(problem, group, problem.state.u[l], damping, landmark);
     eliminate(problem, group, landmark, *this);
+    if (!problem.lenses.empty()) eliminate_from_lenses(problem, group, landmark, *this);
   }
 }
 
@@ -107,13 +116,17 @@ Status NormalEquations::step(JointProblem& problem, double& decrement) {
     decrement -= part(gradient, i).dot(part(dx, i));
     problem.trial.T_room_sensor[i] = problem.state.T_room_sensor[i] * se3_exp(part(dx, i));
   }
+  ROOMCAL_TRY(step_lenses(*this, problem, decrement));
   for (std::size_t l = 0; l < problem.landmarks.size(); ++l) {
     const LandmarkTerms& landmark = problem.landmarks[l];
     if (landmark.exact || landmark.count == 0) continue;
     Vec3 rhs = landmark.g;
     for (const uint32_t i : problem.by_landmark.subspan(landmark.first, landmark.count)) {
       const Term& term = problem.terms[i];
-      if (term.weight > 0) rhs += term.J_u.transpose() * (term.weight * (term.J_pose * part(dx, term.view)));
+      if (term.weight == 0) continue;
+      rhs += term.J_u.transpose() * (term.weight * (term.J_pose * part(dx, term.view)));
+      if (const std::size_t lens = problem.views[term.view].lens; lens != kHeldLens)
+        rhs += term.J_u.transpose() * (term.weight * (problem.J_lens[i] * lens_part(dx, lens_offset(lens))));
     }
     const Vec3 du = -(landmark.C_inv * rhs);
     decrement -= landmark.g.dot(du);

@@ -27,6 +27,7 @@ Status reproject(const camera::Camera& camera, const SE3& T_room_cam, const Vec3
   out.J_pose.leftCols<3>() = -J.J_point;
   out.J_pose.rightCols<3>() = J.J_point * hat(p_cam);
   out.J_point = J.J_point * T_room_cam.R.transpose();
+  out.J_intrinsics = J.J_intrinsics;
   return ok_status();
 }
 

@@ -11,6 +11,7 @@ struct Reprojection {
   Vec2 residual_px;
   Mat26 J_pose;   ///< d residual / d xi for T_room_cam * se3_exp(xi); px per (m, rad)
   Mat23 J_point;  ///< d residual / d p_room; px per m
+  Eigen::Matrix<double, 2, camera::kIntrinsicsCount> J_intrinsics;  ///< d residual / d (fx fy cx cy d0 d1 d2 d3)
 };
 
 /// Residual alone. @param[out] residual_px  untouched unless kOk. @return what Camera::project() says.

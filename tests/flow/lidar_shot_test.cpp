@@ -127,7 +127,7 @@ TEST_F(LidarShot, NoCameraAtAll_StillTellsWhereTheLidarsAreButNoRig) {
 TEST(Trust, AFewShots_NameWhatMovedAndBelieveNoTrap) {
   const TrustRoom room(1), other(2), pillar(3, true);
   MoveTally moves;
-  for (uint64_t seed = 1; seed <= 4; ++seed) run_move_trial(room, seed, moves);
+  for (uint64_t seed = 1; seed <= 4; ++seed) run_move_trial(room, seed, {}, moves);
   EXPECT_EQ(moves.false_alarms, 0);
   EXPECT_EQ(moves.named, moves.moved - moves.unseen);
   EXPECT_GE(moves.named, 3);

@@ -72,6 +72,52 @@ TEST_F(Shot, IntrinsicsOffByAThousandth_PassHonestlyWithTheirSigma) {
   EXPECT_LT(error.dot(said.outcome().cameras[1].cov_rig_cam.inverse() * error), 30);
 }
 
+/// The shot's device with lenses as an old calibration left them, and leave to refine them.
+calib::Device with_lenses_off(const calib::Device& truth) {
+  calib::Device device = truth;
+  device.refine_intrinsics = true;
+  for (calib::CameraSpec& camera : device.cameras) {
+    camera::Intrinsics k = camera.camera.intrinsics();
+    camera.intrinsics_sigma = camera::usual_sigma(k);
+    k.fx_px *= 1.002;
+    k.fy_px *= 1.002;
+    k.cx_px += 1;
+    k.cy_px -= 1;
+    camera.camera = camera::Camera::create(k).value();
+  }
+  return device;
+}
+
+TEST_F(Shot, IntrinsicsOffAndRefined_MeetTheTruthWithinWhatTheyClaimAndWithoutHeap) {
+  const calib::Device device = with_lenses_off(*shot_->device);
+  ArmedSession armed(device, map());
+  const std::vector<ImageView> images = good_images();
+  Status status;
+  std::size_t calls = 0;
+  {
+    const budget::HeapGuard guard;
+    status = armed.calibrate(images);
+    calls = guard.calls();
+  }
+  ASSERT_TRUE(status.ok()) << status.detail();
+#if !defined(__SANITIZE_ADDRESS__)
+  EXPECT_EQ(calls, 0U);
+#endif
+  const calib::Outcome& outcome = armed.outcome();
+  ASSERT_EQ(outcome.verdict, calib::Verdict::kPass) << outcome.reasons[0].view();
+  const SE3 T_rig_cam_true = shot_->T_room_cam_true[0].inverse() * shot_->T_room_cam_true[1];
+  const Vec6 error = se3_log(outcome.cameras[1].T_rig_cam.inverse() * T_rig_cam_true);
+  EXPECT_LT(error.dot(outcome.cameras[1].cov_rig_cam.inverse() * error), 30);
+  EXPECT_LT(error.head<3>().norm(), 0.5e-3);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double true_fx_px = shot_->device->cameras[i].camera.intrinsics().fx_px;
+    EXPECT_NEAR(outcome.cameras[i].camera.intrinsics().fx_px, true_fx_px, 2e-4 * true_fx_px);
+    ASSERT_NE(outcome.solution.lens_of(outcome.cameras[i].view), nullptr);
+    EXPECT_TRUE(outcome.solution.lens_of(outcome.cameras[i].view)->told_by_shot(0));
+  }
+  EXPECT_NEAR(outcome.held_out.median_sigmas, 1, 0.6);
+}
+
 TEST_F(Shot, Twice_GivesTheSameBytes) {
   ArmedSession first(*shot_->device, map()), second(*shot_->device, map());
   ASSERT_TRUE(first.calibrate(good_images()).ok());

@@ -40,6 +40,7 @@ struct Options {
   std::string installed_file;
   std::size_t sweeps = 1;
   bool dry_run = false;
+  bool refine_intrinsics = false;
 };
 
 /// A finished run.
@@ -81,7 +82,7 @@ void report(const Options& options, const calib::Device& device, const map::Room
   if (!options.json_file.empty())
     write_atomic(options.json_file, to_json(outcome, device, map, arena_peak_bytes).dump(1) + "\n");
   if (!options.record_file.empty() && !options.dry_run) write_as_device(outcome, device, map, options.record_file);
-  if (!options.draw_folder.empty()) draw_outcome(outcome, device, map, shot, options.draw_folder);
+  if (!options.draw_folder.empty()) draw_outcome(outcome, map, shot, options.draw_folder);
 }
 
 store::Record read_installed(const std::string& file) {
@@ -119,6 +120,7 @@ Finished run(const Options& options) {
   const LoadedMap loaded = load_map(options.map_file);
   const Device description = read_device(options.device_file);
   const auto device = std::make_unique<calib::Device>(to_runtime(description, options.device_file));
+  device->refine_intrinsics = options.refine_intrinsics;
   const ShotFolder folder = read_shot(options.shot_folder, description, options.sweeps);
   const ShotView shot(folder);
   std::unique_ptr<store::Record> installed;
@@ -141,6 +143,8 @@ void add_common_options(CLI::App& command, Options& options) {
       ->required();
   command.add_option("--sweeps", options.sweeps, "sweeps of each LiDAR that take part; 0: all that are there")
       ->capture_default_str();
+  command.add_flag("--refine-intrinsics", options.refine_intrinsics,
+                   "refine the cameras' intrinsics along, with `intrinsics_sigma` of device.yaml as prior");
   command.add_option("--json", options.json_file, "write the result to this file");
   command.add_option("--draw", options.draw_folder, "write annotated pictures into this folder");
 }

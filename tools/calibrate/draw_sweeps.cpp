@@ -93,8 +93,8 @@ const std::array kColours = {cv::Scalar(40, 40, 220), cv::Scalar(200, 120, 0), c
 
 }  // namespace
 
-void draw_sweeps(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
-                 const ShotFolder& shot, const fs::path& folder) {
+void draw_sweeps(const calib::Outcome& outcome, const map::RoomMap& map, const ShotFolder& shot,
+                 const fs::path& folder) {
   bool any = false;
   RoomPlan plan(map);
   for (std::size_t l = 0; l < outcome.lidars.size(); ++l) {
@@ -106,7 +106,7 @@ void draw_sweeps(const calib::Outcome& outcome, const calib::Device& device, con
       const calib::CameraOutcome& camera = outcome.cameras[c];
       if (!camera.located || shot.images[c].empty()) continue;
       cv::Mat picture = canvas(shot.images[c]);
-      draw_in_image(sweep, device.cameras[c].camera, camera.T_room_cam.inverse() * lidar.T_room_lidar, picture);
+      draw_in_image(sweep, camera.camera, camera.T_room_cam.inverse() * lidar.T_room_lidar, picture);
       write_image(folder / (std::string(camera.name.view()) + "_" + name + ".png"), picture);
     }
     const cv::Scalar& colour = kColours[l % kColours.size()];

@@ -13,7 +13,7 @@ namespace roomcal::tools {
 /// `<camera>_<lidar>.png`, the first sweep in the image, coloured by distance (red 0.5 m to blue 6 m);
 /// `sweeps_registered.png`, all located LiDARs' first sweeps in the room, each in its colour, from above and from the
 /// side, over the map's markers.
-void draw_sweeps(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
-                 const ShotFolder& shot, const std::filesystem::path& folder);
+void draw_sweeps(const calib::Outcome& outcome, const map::RoomMap& map, const ShotFolder& shot,
+                 const std::filesystem::path& folder);
 
 }  // namespace roomcal::tools

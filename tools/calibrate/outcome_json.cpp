@@ -35,10 +35,23 @@ json intrinsics_json(const camera::Intrinsics& k) {
           {"distortion", k.distortion}};
 }
 
-json sensor_json(const calib::CameraOutcome& camera, const calib::CameraSpec& spec) {
+/// Parameter by parameter: sigma before and after, and whether this shot or the prior tells it.
+json refinement_json(const rig::RefinedLens& lens) {
+  json out = json::object();
+  for (std::size_t k = 0; k < camera::kParameterNames.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    out[camera::kParameterNames[k]] = {{"prior", lens.prior[i]},
+                                       {"prior_sigma", lens.prior_sigma[i]},
+                                       {"sigma", lens.sigma[i]},
+                                       {"told_by", lens.told_by_shot(i) ? "shot" : "prior"}};
+  }
+  return out;
+}
+
+json sensor_json(const calib::CameraOutcome& camera, const rig::RigSolution& solution) {
   json out = {{"kind", "camera"},
               {"located", camera.located},
-              {"intrinsics", intrinsics_json(spec.camera.intrinsics())},
+              {"intrinsics", intrinsics_json(camera.camera.intrinsics())},
               {"detections", camera.usable_detections},
               {"seen", camera.detections.size()},
               {"inliers", camera.inliers.size()}};
@@ -48,6 +61,7 @@ json sensor_json(const calib::CameraOutcome& camera, const calib::CameraSpec& sp
     out["rms_px"] = camera.rms_px;
     out["coverage"] = camera.coverage;
     out["log_likelihood_gap"] = camera.log_likelihood_gap;
+    if (const rig::RefinedLens* lens = solution.lens_of(camera.view)) out["intrinsics_sigma"] = refinement_json(*lens);
   }
   if (camera.in_rig) {
     out["T_rig_sensor"] = rows(camera.T_rig_cam.matrix());
@@ -107,20 +121,19 @@ json sensor_json(const calib::LidarOutcome& lidar, const calib::LidarSpec& spec)
 }
 
 /// Where points of b appear in camera a, 1-sigma, because of T_a_b: by distance.
-json pixel_errors(const calib::Outcome& outcome, const calib::Device& device, std::size_t a,
-                  const rig::RelativePose& T_a_b) {
+json pixel_errors(const calib::Outcome& outcome, std::size_t a, const rig::RelativePose& T_a_b) {
   json errors = json::array();
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (!outcome.cameras[i].located || outcome.cameras[i].view != a) continue;
     for (const double distance_m : rig::kPixelErrorDistances_m)
       errors.push_back(
           {{"distance_m", distance_m},
-           {"sigma_px", rig::predicted_pixel_error(device.cameras[i].camera, T_a_b.T_a_b, T_a_b.cov, distance_m)}});
+           {"sigma_px", rig::predicted_pixel_error(outcome.cameras[i].camera, T_a_b.T_a_b, T_a_b.cov, distance_m)}});
   }
   return errors;
 }
 
-json pairs_json(const calib::Outcome& outcome, const calib::Device& device) {
+json pairs_json(const calib::Outcome& outcome) {
   json pairs = json::array();
   const auto sensors = calib::located_sensors(outcome);
   for (const calib::LocatedSensor& a : sensors)
@@ -131,7 +144,7 @@ json pairs_json(const calib::Outcome& outcome, const calib::Device& device) {
                        {"b", std::string(b.name.view())},
                        {"T_a_b", rows(relative.T_a_b.matrix())},
                        {"covariance", rows(relative.cov)}});
-      json errors = pixel_errors(outcome, device, a.number, relative);
+      json errors = pixel_errors(outcome, a.number, relative);
       if (!errors.empty()) pairs.back()["pixel_error"] = std::move(errors);
     }
   return pairs;
@@ -159,7 +172,7 @@ json to_json(const calib::Outcome& outcome, const calib::Device& device, const m
              std::size_t arena_peak_bytes) {
   json sensors = json::object(), timing_ms = json::object();
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
-    sensors[std::string(outcome.cameras[i].name.view())] = sensor_json(outcome.cameras[i], device.cameras[i]);
+    sensors[std::string(outcome.cameras[i].name.view())] = sensor_json(outcome.cameras[i], outcome.solution);
   for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
     sensors[std::string(outcome.lidars[i].name.view())] = sensor_json(outcome.lidars[i], device.lidars[i]);
   int64_t total_ns = 0;
@@ -180,7 +193,7 @@ json to_json(const calib::Outcome& outcome, const calib::Device& device, const m
               {"rig_frame", std::string(outcome.cameras[outcome.reference].name.view())},
               {"map", {{"id", std::string(map.map_id())}, {"hash", fmt::format("{:08x}", map.content_crc32c())}}},
               {"sensors", std::move(sensors)},
-              {"pairs", pairs_json(outcome, device)},
+              {"pairs", pairs_json(outcome)},
               {"joint_fit", std::move(solution)},
               {"timing_ms", std::move(timing_ms)},
               {"arena_peak_bytes", arena_peak_bytes}};

@@ -68,6 +68,22 @@ void print_lidar(const calib::LidarOutcome& lidar) {
     if (lidar.located) fmt::print("         {}\n", scan::describe(weak).view());
 }
 
+/// "fx_px 612.31 +- 0.21 (given 613.42 +- 1.22)"; what the shot does not tell is left out.
+void print_lens(const rig::RefinedLens& lens) {
+  const camera::Parameters refined = camera::parameters_of(lens.camera.intrinsics());
+  std::string told, untold;
+  for (std::size_t k = 0; k < camera::kParameterNames.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    if (lens.told_by_shot(i))
+      told += fmt::format("         {} {:.6g} +- {:.2g} (given {:.6g} +- {:.2g})\n", camera::kParameterNames[k],
+                          refined[i], lens.sigma[i], lens.prior[i], lens.prior_sigma[i]);
+    else
+      untold += fmt::format(" {}", camera::kParameterNames[k]);
+  }
+  fmt::print("{}", told);
+  if (!untold.empty()) fmt::print("         as given, for this shot tells no more:{}\n", untold);
+}
+
 void print_installed(const calib::InstalledCheck& check) {
   if (!check.done) return;
   fmt::print("against the installed record: {}, p {:.2g}\n",
@@ -118,6 +134,8 @@ void print_outcome(const calib::Outcome& outcome, std::size_t arena_peak_bytes) 
       fmt::print(", sigma {:.3f} mm {:.4f} deg", sigma.t_mm, sigma.rot_deg);
     }
     fmt::print("\n");
+    if (const rig::RefinedLens* lens = camera.located ? outcome.solution.lens_of(camera.view) : nullptr)
+      print_lens(*lens);
   }
   for (const calib::LidarOutcome& lidar : outcome.lidars) print_lidar(lidar);
   if (outcome.held_out.markers > 0)
@@ -147,18 +165,18 @@ void print_against_truth(const calib::Outcome& outcome, const fs::path& truth_fi
   }
 }
 
-void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
-                  const ShotFolder& shot, const fs::path& folder) {
+void draw_outcome(const calib::Outcome& outcome, const map::RoomMap& map, const ShotFolder& shot,
+                  const fs::path& folder) {
   make_folder(folder);
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (shot.images[i].empty()) continue;
     const calib::CameraOutcome& camera = outcome.cameras[i];
     cv::Mat picture = canvas(shot.images[i]);
     draw_detections(picture, camera.detections);
-    if (camera.located) draw_residuals(camera, device.cameras[i].camera, map, picture);
+    if (camera.located) draw_residuals(camera, camera.camera, map, picture);
     write_image(folder / (std::string(camera.name.view()) + "_calibrated.png"), picture);
   }
-  draw_sweeps(outcome, device, map, shot, folder);
+  draw_sweeps(outcome, map, shot, folder);
 }
 
 }  // namespace roomcal::tools

@@ -16,7 +16,7 @@ void print_outcome(const calib::Outcome& outcome, std::size_t arena_peak_bytes);
 void print_against_truth(const calib::Outcome& outcome, const std::filesystem::path& truth_file);
 
 /// One picture per camera: detections, map markers projected with the solved pose, residuals enlarged.
-void draw_outcome(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
-                  const ShotFolder& shot, const std::filesystem::path& folder);
+void draw_outcome(const calib::Outcome& outcome, const map::RoomMap& map, const ShotFolder& shot,
+                  const std::filesystem::path& folder);
 
 }  // namespace roomcal::tools

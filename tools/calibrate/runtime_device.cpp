@@ -17,7 +17,8 @@ calib::NominalMounting to_mounting(const Sensor& sensor) {
 calib::CameraSpec to_spec(const Sensor& sensor, const std::string& source) {
   const Result<camera::Camera> camera = camera::Camera::create(sensor.intrinsics);
   require(camera.status(), source + ": " + sensor.name);
-  return {std::string_view(sensor.name), camera.value(), to_mounting(sensor), sensor.sigma_px};
+  return {std::string_view(sensor.name), camera.value(), to_mounting(sensor), sensor.sigma_px,
+          sensor.intrinsics_sigma.value_or(camera::usual_sigma(sensor.intrinsics))};
 }
 
 calib::LidarSpec to_lidar(const Sensor& sensor, const std::string& source) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/calib/limits.h"
-#include "runtime/camera/intrinsics.h"
+#include "runtime/camera/parameters.h"
 #include "runtime/math/se3.h"
 #include "runtime/profile/wiring.h"
 
@@ -25,8 +25,9 @@ struct Sensor {
   SensorKind kind = SensorKind::kCamera;
   camera::Intrinsics intrinsics;  ///< of a camera
   double sigma_px = 0;            ///< of a camera: what its intrinsics leave, per axis; 0: exact
-  std::string lidar_model;        ///< of a LiDAR: "vlp16", "tls", ...
-  std::string file;               ///< of a LiDAR: its file in a shot folder; may be empty
+  std::optional<camera::IntrinsicsSigma> intrinsics_sigma;  ///< of a camera; else camera::usual_sigma()
+  std::string lidar_model;                                  ///< of a LiDAR: "vlp16", "tls", ...
+  std::string file;                                         ///< of a LiDAR: its file in a shot folder; may be empty
   std::optional<NominalMount> nominal;
   std::string serial;                   ///< off its label; may be empty
   std::string calibration_file;         ///< of a LiDAR: the unit's own angles, beside device.yaml; may be empty

@@ -60,7 +60,7 @@ class DeviceReader {
   void read_camera(const YAML::Node& node, Sensor& sensor) const {
     yaml_.allow_keys(node,
                      {"name", "kind", "serial", "model", "resolution_px", "intrinsics_px", "distortion", "sigma_px",
-                      "nominal", "driver"},
+                      "intrinsics_sigma", "nominal", "driver"},
                      sensor.name);
     camera::Intrinsics& intrinsics = sensor.intrinsics;
     const YAML::Node model = yaml_.field(node, "model");
@@ -90,6 +90,25 @@ class DeviceReader {
     }
     if (node["driver"].IsDefined())
       sensor.camera_wiring = read_camera_wiring(yaml_, node["driver"], sensor.name + ": driver");
+    if (node["intrinsics_sigma"].IsDefined())
+      sensor.intrinsics_sigma = read_sigma(node["intrinsics_sigma"], sensor.name + ": intrinsics_sigma", intrinsics);
+  }
+
+  camera::IntrinsicsSigma read_sigma(const YAML::Node& node, const std::string& what,
+                                     const camera::Intrinsics& intrinsics) const {
+    yaml_.allow_keys(node, {"focal_px", "principal_px", "distortion_px"}, what);
+    camera::IntrinsicsSigma sigma = camera::usual_sigma(intrinsics);
+    const auto read = [&](const char* key, double most_px, double& into) {
+      const YAML::Node value = node[key];
+      if (!value.IsDefined()) return;
+      into = yaml_.number(value, what + ": " + key);
+      if (!(into >= 0 && into <= most_px))
+        yaml_.fail(value, fmt::format("{}: {} must be between 0 and {:.0f} px", what, key, most_px));
+    };
+    read("focal_px", 0.05 * intrinsics.fx_px, sigma.focal_px);
+    read("principal_px", 0.05 * intrinsics.width_px, sigma.principal_px);
+    read("distortion_px", 0.05 * intrinsics.width_px, sigma.distortion_px);
+    return sigma;
   }
 
   void read_lidar(const YAML::Node& node, Sensor& sensor) const {
@@ -149,6 +168,9 @@ std::string sensor_text(const Sensor& sensor) {
     text += fmt::format("    intrinsics_px: [{}, {}, {}, {}]\n", i.fx_px, i.fy_px, i.cx_px, i.cy_px);
     text += fmt::format("    distortion: [{}]\n", fmt::join(i.distortion, ", "));
     if (sensor.sigma_px > 0) text += fmt::format("    sigma_px: {}\n", sensor.sigma_px);
+    if (const auto& sigma = sensor.intrinsics_sigma)
+      text += fmt::format("    intrinsics_sigma: {{focal_px: {}, principal_px: {}, distortion_px: {}}}\n",
+                          sigma->focal_px, sigma->principal_px, sigma->distortion_px);
   } else {
     text += "    kind: lidar\n    model: " + quoted(sensor.lidar_model) + "\n";
     if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";

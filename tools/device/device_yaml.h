@@ -19,6 +19,11 @@ namespace roomcal::tools {
 ///         resolution_px: [1280, 720]   # width, height
 ///         intrinsics_px: [612.2, 612.4, 634.9, 362.0]   # fx fy cx cy; (0, 0) is the centre of the top-left pixel
 ///         distortion: [-0.019, 0.0045, -0.0018, 0.0003] # k1 k2 k3 k4, or k1 k2 p1 p2
+///         sigma_px: 0.1                # what these leave of a ring's place, per axis; may be left out: exact
+///         intrinsics_sigma:            # how far off they may be, for --refine-intrinsics; may be left out:
+///           focal_px: 1.2              #   0.2 % of the focal length,
+///           principal_px: 1            #   1 px,
+///           distortion_px: 0.5         #   0.5 px in the image's corner for each coefficient; 0: held
 ///       - name: lidar0
 ///         kind: lidar
 ///         model: vlp16

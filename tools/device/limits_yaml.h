@@ -23,6 +23,7 @@ namespace roomcal::tools {
 ///       max_sigma_t_m: 0.003         # 1-sigma of an extrinsic
 ///       max_sigma_rot_deg: 0.05
 ///       max_nominal_sigmas: 5        # from the nominal mounting
+///       max_intrinsics_sigmas: 5     # of a refined intrinsic parameter from the given one, by intrinsics_sigma
 ///       moved_p_value: 0.001         # of a false alarm against the installed record
 ///       advise_beam_sigmas: 4        # of a LiDAR's beam offset
 ///

@@ -23,6 +23,8 @@ constexpr double kNamedBar = 0.99, kFalseAlarmBar = 0.01;
 
 struct Arguments {
   int shots = 1000;
+  bool traps = true;
+  TrustOptions options;
   std::string json_file;
 };
 
@@ -31,17 +33,19 @@ struct Report {
   std::array<TrapTally, kTraps.size()> traps{};
 };
 
-Report measure(int shots) {
+Report measure(const Arguments& arguments) {
+  const int shots = arguments.shots;
   std::vector<TrustRoom> rooms, with_pillar;
   for (uint64_t seed = 1; seed <= kRooms; ++seed) {
     rooms.emplace_back(seed);
     with_pillar.emplace_back(seed, true);
   }
-  const int traps = std::max(1, shots / 10);
+  const int traps = arguments.traps ? std::max(1, shots / 10) : 0;
   Progress progress("trust", static_cast<std::size_t>(shots) + kTraps.size() * static_cast<std::size_t>(traps));
   Report report;
   for (int i = 0; i < shots; ++i) {
-    run_move_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, report.moves);
+    run_move_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, arguments.options,
+                   report.moves);
     progress.step();
   }
   for (std::size_t t = 0; t < kTraps.size(); ++t)
@@ -112,10 +116,13 @@ void add_evaluate_trust(CLI::App& app, int& exit_code) {
   command->add_option("--shots", arguments->shots, "shots with a moved sensor; a tenth as many of every trap")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  command->add_flag("--refine-intrinsics", arguments->options.refine_intrinsics,
+                    "lenses off by a draw from their prior, refined along");
+  command->add_flag("!--no-traps", arguments->traps, "leave the traps out");
   command->add_option("--json", arguments->json_file, "write the figures to this file");
   command->callback([arguments, &exit_code] {
     json out;
-    const bool good = print_and_judge(measure(arguments->shots), out);
+    const bool good = print_and_judge(measure(*arguments), out);
     if (!arguments->json_file.empty()) write_atomic(arguments->json_file, out.dump(1) + "\n");
     exit_code = good ? 0 : 2;
   });

@@ -32,6 +32,14 @@ SE3 disturbed(const SE3& T, Random& random) {
   return T * se3_exp(xi);
 }
 
+/// A lens as its own calibration left it.
+camera::Camera given_lens(const camera::Camera& truth, const camera::IntrinsicsSigma& sigma, Random& random) {
+  camera::Parameters off = camera::parameter_sigmas(truth, sigma);
+  for (Eigen::Index k = 0; k < off.size(); ++k) off[k] *= random.normal();
+  const camera::Intrinsics& k = truth.intrinsics();
+  return camera::Camera::create(camera::with_parameters(k, camera::parameters_of(k) + off)).value();
+}
+
 Scene trust_scene(uint64_t seed, bool pillar) {
   RoomOptions options;
   options.seed = seed;
@@ -52,16 +60,23 @@ std::string TrustDevice::name(std::size_t sensor) const {
                                       : device.lidars[sensor - cameras].name.view());
 }
 
-TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed) {
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, bool refine_intrinsics) {
   ShotOptions options;
   options.seed = seed;
   const PaperDevice& robot = device_named("mobile_robot");
   const Stand stand = place_device(room.scene(), robot, options);
   Random random = random_stream(seed, 71);
   TrustDevice out;
+  out.device.refine_intrinsics = refine_intrinsics;
+  Random lens_random = random_stream(seed, 70);
   for (std::size_t i = 0; i < stand.cameras.size(); ++i) {
     const TrueCamera& camera = stand.cameras[i];
-    static_cast<void>(out.device.cameras.push_back({std::string_view(camera.name), camera.camera, {}}));
+    calib::CameraSpec spec;
+    spec.name = std::string_view(camera.name);
+    spec.intrinsics_sigma = camera::usual_sigma(camera.camera.intrinsics());
+    spec.camera = refine_intrinsics ? given_lens(camera.camera, spec.intrinsics_sigma, lens_random) : camera.camera;
+    static_cast<void>(out.device.cameras.push_back(spec));
+    out.lenses.push_back(camera.camera);
     out.T_rig_sensor.push_back(stand.cameras[0].T_room_cam.inverse() * camera.T_room_cam);
   }
   const SE3 nominal[] = {lidar_mounting(-40, Vec3(0.05, -0.1, -0.05)), lidar_mounting(35, Vec3(-0.05, -0.3, -0.1))};
@@ -108,7 +123,7 @@ TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, cons
   TrustShot shot;
   const std::size_t cameras = device.device.cameras.size();
   for (std::size_t i = 0; i < cameras; ++i)
-    shot.rings.push_back(see_rings(room, device.device.cameras[i].camera, T_room_rig * device.T_rig_sensor[i], random));
+    shot.rings.push_back(see_rings(room, device.lenses[i], T_room_rig * device.T_rig_sensor[i], random));
   for (std::size_t i = 0; i < device.device.lidars.size(); ++i) {
     SweepFlaws sweep;
     sweep.sigma_m = device.device.lidars[i].ranges.sigma_m;

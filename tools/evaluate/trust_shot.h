@@ -31,14 +31,16 @@ class TrustRoom {
 
 /// The paper's robot with two VLP-16 leaning so that both see floor and walls: sensors' true poses in the rig.
 struct TrustDevice {
-  calib::Device device;                            ///< true lenses, nominal mountings
+  calib::Device device;                            ///< as provisioned: nominal mountings, lenses
+  std::vector<camera::Camera> lenses;              ///< the cameras' true ones
   std::vector<SE3> T_rig_sensor;                   ///< cameras, then LiDARs; the first camera is the rig
   std::vector<std::vector<double>> beam_offset_m;  ///< per LiDAR: the units' own
 
   std::size_t sensors() const { return T_rig_sensor.size(); }
   std::string name(std::size_t sensor) const;
 };
-TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed);
+/// @param refine_intrinsics  the provisioned lenses are off by a draw from their prior, and are refined along.
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, bool refine_intrinsics = false);
 
 /// A place in the room where this device may stand: the reference camera's pose.
 SE3 place_trust_device(const TrustRoom& room, uint64_t seed);

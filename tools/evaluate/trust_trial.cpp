@@ -144,9 +144,9 @@ const char* to_string(Trap trap) {
   return "";
 }
 
-void run_move_trial(const TrustRoom& room, uint64_t seed, MoveTally& tally) {
+void run_move_trial(const TrustRoom& room, uint64_t seed, const TrustOptions& options, MoveTally& tally) {
   Random random = random_stream(seed, 72);
-  TrustDevice device = make_trust_device(room, seed);
+  TrustDevice device = make_trust_device(room, seed, options.refine_intrinsics);
   TrustSession session(device.device, room.data());
   TrustShot before = take_trust_shot(room, device, place_trust_device(room, 2 * seed + 1), {}, random);
   ++tally.shots;
@@ -191,7 +191,7 @@ void run_trap(Trap trap, const TrustRoom& room, const TrustRoom& other, uint64_t
   TrustShot shot = take_trust_shot(room, device, place_trust_device(room, 2 * seed + 1), flaws, random);
   if (trap == Trap::kOtherRoomsCamera) {
     const std::size_t camera = random.below(device.device.cameras.size());
-    shot.rings[camera] = see_rings(other, device.device.cameras[camera].camera,
+    shot.rings[camera] = see_rings(other, device.lenses[camera],
                                    place_trust_device(other, 2 * seed + 1) * device.T_rig_sensor[camera], random);
   }
   TrustSession session(device.device, map_for(trap, room, other, random));

@@ -41,9 +41,13 @@ struct TrapTally {
   int wrong = 0;  ///< would be written, and an extrinsic is off by more than 5 mm or 0.2 degree where called observed
 };
 
+struct TrustOptions {
+  bool refine_intrinsics = false;  ///< of lenses that are off by a draw from their prior
+};
+
 /// An installed record from one place; from another, one shot unmoved and one with a sensor moved by 5 mm or 0.3
 /// degree.
-void run_move_trial(const TrustRoom& room, uint64_t seed, MoveTally& tally);
+void run_move_trial(const TrustRoom& room, uint64_t seed, const TrustOptions& options, MoveTally& tally);
 
 /// A shot that must be refused or come out right. @param room  with a pillar for kUnmappedPillar. @param other  another
 /// room.

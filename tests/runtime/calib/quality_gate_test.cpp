@@ -142,6 +142,20 @@ TEST_F(QualityGate, InstalledSensorThatTheDeviceLacks_IsSaid) {
   expect(Verdict::kPassAdvise, "cam7: is in the installed record but not in this device");
 }
 
+TEST_F(QualityGate, RefinedIntrinsicsFarFromTheGivenOnes_AskForService) {
+  const camera::Intrinsics k{camera::Model::kPinholeRadtan, 640, 480, 400, 400, 320, 240, {}};
+  std::array<rig::RefinedLens, 1> lens;
+  lens[0].view = cam1().view = 1;
+  lens[0].camera = camera::Camera::create(k).value();
+  lens[0].prior = camera::parameters_of(k);
+  lens[0].prior_sigma.setConstant(1);
+  outcome_.solution.lenses = lens;
+  judge(device_, Limits(), outcome_);
+  EXPECT_EQ(outcome_.verdict, Verdict::kPass);
+  lens[0].prior[2] += 5.5;
+  expect(Verdict::kFailService, "cam1: its cx_px comes out 5.5 sigma from what the device says");
+}
+
 TEST_F(QualityGate, LimitsOfTheDevice_AreTheOnesThatCount) {
   Limits limits;
   limits.advise_inliers = 21;

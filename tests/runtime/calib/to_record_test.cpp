@@ -15,6 +15,7 @@ class ToRecord : public testing::Test {
       ASSERT_TRUE(device->cameras.push_back({name, camera::Camera::create(k).value(), {}}));
       k.fx_px += 1;
       CameraOutcome camera;
+      camera.camera = device->cameras.back().camera;
       camera.name = name;
       camera.located = camera.in_rig = true;
       camera.usable_detections = 20;
@@ -47,6 +48,15 @@ TEST_F(ToRecord, PassedOutcome_KeepsPosesIntrinsicsAndContext) {
   EXPECT_EQ(record->sensors[0].evidence.detections, 20U);
   EXPECT_EQ(record->map_id.view(), "hall");
   EXPECT_EQ(record->verdict, Verdict::kPass);
+}
+
+TEST_F(ToRecord, RefinedIntrinsics_AreWhatTheRecordKeeps) {
+  camera::Intrinsics refined = outcome->cameras[2].camera.intrinsics();
+  refined.fx_px = 403.5;
+  outcome->cameras[2].camera = camera::Camera::create(refined).value();
+  ASSERT_TRUE(to_record(*outcome, *device, {}, *record).ok());
+  EXPECT_EQ(record->sensors[2].intrinsics.fx_px, 403.5);
+  EXPECT_EQ(record->sensors[0].intrinsics.fx_px, 400);
 }
 
 TEST_F(ToRecord, CameraThatWasNotLocated_IsNotInTheRecord) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "runtime/camera/parameters.h"
 #include "runtime/math/numeric_diff.h"
 #include "tests/runtime/camera/lenses.h"
 
@@ -9,7 +10,6 @@ namespace {
 using test::bearing_at;
 using test::kLenses;
 using test::make_camera;
-using Parameters = Eigen::Matrix<double, kIntrinsicsCount, 1>;
 
 // Inside by enough that the differences' arms stay in the field too.
 constexpr double kFractions[] = {0, 1e-3, 0.05, 0.3, 0.6, 0.9, 0.98};
@@ -19,15 +19,6 @@ Vec2 project(const Camera& camera, const Vec3& point_cam) {
   Vec2 px(1e9, 1e9);
   EXPECT_TRUE(camera.project(point_cam, px).ok());
   return px;
-}
-
-Intrinsics with_parameters(Intrinsics intrinsics, const Parameters& p) {
-  intrinsics.fx_px = p[0];
-  intrinsics.fy_px = p[1];
-  intrinsics.cx_px = p[2];
-  intrinsics.cy_px = p[3];
-  for (int i = 0; i < kDistortionCount; ++i) intrinsics.distortion[static_cast<std::size_t>(i)] = p[4 + i];
-  return intrinsics;
 }
 
 template <typename F>
@@ -60,8 +51,7 @@ TEST(CameraJacobian, OfTheIntrinsics_MeetsNumericDerivative) {
     ProjectJacobians jacobians;
     ASSERT_TRUE(camera.project(point, px, &jacobians).ok());
     const Intrinsics& in = lens.intrinsics;
-    Parameters p;
-    p << in.fx_px, in.fy_px, in.cx_px, in.cy_px, in.distortion[0], in.distortion[1], in.distortion[2], in.distortion[3];
+    const Parameters p = parameters_of(in);
     const auto f = [&](const Parameters& q) -> Vec2 {
       return project(Camera::create(with_parameters(in, q)).value(), point);
     };

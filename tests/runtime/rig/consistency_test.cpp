@@ -2,6 +2,7 @@
 // Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 5.4). All extrinsics of the device
 // together are held to the two-sided 95 % band of the mean over 500 shots, and so is the family of its pairs.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -52,7 +53,26 @@ double joint_nees(const RigSolution& solution, const Shot& shot) {
 struct MeanNees {
   std::vector<double> pairs;
   double joint = 0;
+  double lens = 0;  ///< of the refined parameters of one camera, mean over cameras
 };
+
+double lens_nees(const RigSolution& solution, const Shot& shot) {
+  double sum = 0;
+  for (std::size_t k = 0; k < solution.lenses.size(); ++k) {
+    const RefinedLens& lens = solution.lenses[k];
+    const camera::Parameters error = camera::parameters_of(shot.device[lens.view].camera.intrinsics()) -
+                                     camera::parameters_of(lens.camera.intrinsics());
+    // In prior sigmas: the parameters' units differ by eight orders.
+    const camera::Parameters unit = lens.prior_sigma.cwiseInverse();
+    sum += nees(unit.cwiseProduct(error), unit.asDiagonal() * solution.cov_lens(k) * unit.asDiagonal());
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, solution.lenses.size()));
+}
+
+// Fewer than six markers are never a located camera's.
+bool sees_too_little(const Shot& shot) {
+  return std::any_of(shot.observations.begin(), shot.observations.end(), [](const auto& o) { return o.size() < 6; });
+}
 
 // Every shot has a device, a standpoint and noise of its own.
 MeanNees run_shots(uint64_t seed, const ShotOptions& options) {
@@ -62,11 +82,13 @@ MeanNees run_shots(uint64_t seed, const ShotOptions& options) {
   mean.pairs.resize(options.cameras * (options.cameras - 1) / 2);
   for (int i = 0; i < kShots; ++i) {
     Solver solver;
-    const Shot shot = test::make_shot(random, room, options);
+    Shot shot = test::make_shot(random, room, options);
+    while (sees_too_little(shot)) shot = test::make_shot(random, room, options);
     const Status status = solver.solve(shot);
     EXPECT_TRUE(status.ok()) << status.detail();
     if (!status.ok()) return mean;
     mean.joint += joint_nees(solver.solution, shot) / kShots;
+    mean.lens += lens_nees(solver.solution, shot) / kShots;
     std::size_t pair = 0;
     for (std::size_t a = 0; a < options.cameras; ++a)
       for (std::size_t b = a + 1; b < options.cameras; ++b, ++pair) {
@@ -90,6 +112,7 @@ void expect_consistent(uint64_t seed, const ShotOptions& options, const char* wh
   const MeanNees mean = run_shots(seed, options);
   expect_in_band(mean.joint, 6.0 * static_cast<double>(options.cameras - 1), deviate(1), what);
   for (const double pair : mean.pairs) expect_in_band(pair, 6, deviate(mean.pairs.size()), "  a pair");
+  if (mean.lens > 0) expect_in_band(mean.lens, camera::kIntrinsicsCount, deviate(1), "  lenses");
 }
 
 TEST(Consistency, ExactMap_NeesOfEveryPairIsInItsBand) { expect_consistent(101, {}, "robot, exact map"); }
@@ -120,6 +143,22 @@ TEST(Consistency, FivePercentOutliers_NeesOfEveryPairIsInItsBand) {
   ShotOptions options;
   options.outlier_fraction = 0.05;
   expect_consistent(105, options, "robot, 5 % outliers");
+}
+
+TEST(Consistency, RefinedIntrinsicsDrawnFromThePrior_NeesOfEveryPairIsInItsBand) {
+  ShotOptions options;
+  options.intrinsics_sigma = {1.2, 1.0, 0.5};
+  expect_consistent(106, options, "robot, lenses refined");
+  options.map_cov_m2 = 4e-6 * Mat33::Identity();
+  expect_consistent(107, options, "refined, map of 2 mm");
+}
+
+TEST(Consistency, RefinedNarrowLenses_NeesIsInItsBand) {
+  ShotOptions options;
+  options.cameras = 2;
+  options.lens = truth::LensKind::kNarrow;
+  options.intrinsics_sigma = {3.5, 1.0, 0.5};
+  expect_consistent(108, options, "narrow, lenses refined");
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(LidarTerms, Gradient_IsHalfTheDerivativeOfTheCost) {
   JointProblem problem;
   NormalEquations equations;
   ASSERT_TRUE(JointProblem::build({views, {&f.lidar, 1}, 0, f.shot.landmarks}, {}, scratch, problem).ok());
-  ASSERT_TRUE(NormalEquations::build(5, scratch, equations).ok());
+  ASSERT_TRUE(NormalEquations::build(5, 0, scratch, equations).ok());
   problem.state.T_room_sensor[4] = f.T_room_lidar * se3_exp(0.05 * f.random.normals<6>());  // well away from T_hat
   add_lidars(problem, equations);
   for (std::size_t k = 0; k < 30; ++k) {

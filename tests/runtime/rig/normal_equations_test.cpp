@@ -27,7 +27,7 @@ struct Fixture {
     shot.landmarks[3].cov_m2.setZero();  // exact ones among the others
     shot.landmarks[8].cov_m2.setZero();
     EXPECT_TRUE(JointProblem::build({shot.views(), {}, kNoReference, shot.landmarks}, {}, arena, problem).ok());
-    EXPECT_TRUE(NormalEquations::build(3, arena, equations).ok());
+    EXPECT_TRUE(NormalEquations::build(3, 0, arena, equations).ok());
     for (Vec3& u : problem.state.u) u = 0.1 * random.normals<3>();
     problem.linearize();
     problem.update_turn_over();

@@ -32,12 +32,24 @@ std::vector<RingObservation> observe(truth::Random& random, const std::vector<tr
   return observations;
 }
 
+/// A lens as its own calibration left it.
+void draw_lens(truth::Random& random, const camera::Camera& truth, const ShotOptions& options, Shot& shot) {
+  const camera::Parameters sigma = camera::parameter_sigmas(truth, options.intrinsics_sigma);
+  camera::Intrinsics given = truth.intrinsics();
+  if (!sigma.isZero(0)) {
+    const camera::Parameters off = sigma.cwiseProduct(random.normals<camera::kIntrinsicsCount>());
+    given = camera::with_parameters(given, camera::parameters_of(given) + off);
+  }
+  shot.given.push_back(camera::Camera::create(given).value());
+  shot.intrinsics_sigma.push_back(sigma);
+}
+
 }  // namespace
 
 std::vector<CameraView> Shot::views() const {
   std::vector<CameraView> views;
   for (std::size_t i = 0; i < device.size(); ++i)
-    views.push_back({&device[i].camera, observations[i], start_T_room_cam[i]});
+    views.push_back({&given[i], observations[i], start_T_room_cam[i], intrinsics_sigma[i]});
   return views;
 }
 
@@ -60,6 +72,8 @@ void redraw(truth::Random& random, const std::vector<truth::RoomMarker>& room, c
   shot.landmarks.clear();
   shot.observations.clear();
   shot.start_T_room_cam.clear();
+  shot.given.clear();
+  shot.intrinsics_sigma.clear();
   shot.outliers = 0;
   for (const truth::RoomMarker& marker : room) {
     Vec3 p_room = marker.p_room;
@@ -69,6 +83,7 @@ void redraw(truth::Random& random, const std::vector<truth::RoomMarker>& room, c
   for (std::size_t i = 0; i < shot.device.size(); ++i) {
     const SE3& T_room_cam = shot.T_room_cam[i];
     shot.start_T_room_cam.push_back(disturbed(random, T_room_cam, options));
+    draw_lens(random, shot.device[i].camera, options, shot);
     shot.observations.push_back(observe(random, room, shot.device[i].camera, T_room_cam, options, shot.outliers));
   }
 }

@@ -20,6 +20,8 @@ struct ShotOptions {
   double start_sigma_m = 0.01;       ///< error of the start poses
   double start_sigma_rad = 0.01;
   double outlier_fraction = 0;  ///< observations moved by 5 to 50 px
+  /// Of every camera: what the solver is given is drawn around the true lens with it, and is told it as prior.
+  camera::IntrinsicsSigma intrinsics_sigma;
 };
 
 /// One simulated shot: what the solver is given, and the truth.
@@ -29,6 +31,8 @@ struct Shot {
   std::vector<Landmark> landmarks;
   std::vector<std::vector<RingObservation>> observations;
   std::vector<SE3> start_T_room_cam;
+  std::vector<camera::Camera> given;  ///< lenses, as the solver is given them
+  std::vector<camera::Parameters> intrinsics_sigma;
   std::size_t outliers = 0;
 
   /// Spans into this shot.

@@ -27,6 +27,7 @@ sensors:
     intrinsics_px: [1740.7, 1740.9, 641.8, 501.3]
     distortion: [-0.116, 0.109, 0.0004, -0.0003]
     sigma_px: 0.15
+    intrinsics_sigma: {focal_px: 2.5, distortion_px: 0}
     nominal:
       T_rig_sensor: [[0, 0, 1, 0.1], [0, 1, 0, -0.02], [-1, 0, 0, 0.003], [0, 0, 0, 1]]
       sigma_t_m: 0.008
@@ -60,6 +61,11 @@ TEST(ParseDeviceYaml, EveryField_IsRead) {
   EXPECT_EQ(cam1.intrinsics.distortion[3], -0.0003);
   EXPECT_EQ(cam1.sigma_px, 0.15);
   EXPECT_EQ(device.sensors[0].sigma_px, 0);
+  EXPECT_FALSE(device.sensors[0].intrinsics_sigma);
+  ASSERT_TRUE(cam1.intrinsics_sigma);
+  EXPECT_EQ(cam1.intrinsics_sigma->focal_px, 2.5);
+  EXPECT_EQ(cam1.intrinsics_sigma->principal_px, 1);  // what was left out is as usual
+  EXPECT_EQ(cam1.intrinsics_sigma->distortion_px, 0);
   ASSERT_TRUE(cam1.nominal);
   EXPECT_EQ(cam1.nominal->T_rig_sensor.t, Vec3(0.1, -0.02, 0.003));
   EXPECT_NEAR(cam1.nominal->T_rig_sensor.R(0, 2), 1, 1e-12);
@@ -120,6 +126,9 @@ TEST(ParseDeviceYaml, EveryBadInput_NamesTheThing) {
            {robot_with("1280, 720", "0, 720"), "cam0: invalid argument"},
            {robot_with(", 0.0003", ""), "d.yaml:10: cam0: distortion: expected a list of 4"},
            {robot_with("sigma_px: 0.15", "sigma_px: -1"), "cam1: sigma_px is what the intrinsics leave"},
+           {robot_with("focal_px: 2.5", "focal: 2.5"), "cam1: intrinsics_sigma: unknown key `focal`"},
+           {robot_with("focal_px: 2.5", "focal_px: -1"),
+            "cam1: intrinsics_sigma: focal_px must be between 0 and 87 px"},
            {robot_with("kannala_brandt", "omni"), "d.yaml:7: cam0: model `omni` is not supported"},
            {robot_with("kind: lidar", "kind: radar"), "lidar0: kind `radar`; known are camera and lidar"},
            {robot_with("    distortion", "    distorsion"), "d.yaml:10: cam0: unknown key `distorsion`"},
@@ -137,7 +146,7 @@ TEST(ParseDeviceYaml, EveryBadInput_NamesTheThing) {
            {"version: 1\nname: a\nrig_frame: b\nsensors: []\n", "no sensors"},
            {"version: 1\nname: a\nrig_frame: b\nsensors: 3\n", "d.yaml:4: sensors: expected a list"},
            {"version: 1\nname: a\nrig_frame: b\nsensors: [3]\n", "d.yaml:4: expected `key: value`"},
-           {kRobot + std::string("limits:\n  max_sigma_m: 1\n"), "d.yaml:27: limits: unknown key `max_sigma_m`"},
+           {kRobot + std::string("limits:\n  max_sigma_m: 1\n"), "d.yaml:28: limits: unknown key `max_sigma_m`"},
            {kRobot + std::string("limits:\n  max_sigma_t_m: 0\n"), "limits: max_sigma_t_m must be between 1e-06 and 1"},
            {kRobot + std::string("limits:\n  max_sigma_t_m: .inf\n"), "limits: max_sigma_t_m: expected a finite"},
            {kRobot + std::string("limits:\n  min_inliers: 6.5\n"), "limits: min_inliers: expected a whole number"},
