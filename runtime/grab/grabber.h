@@ -10,7 +10,7 @@
 #include "runtime/base/status.h"
 #include "runtime/grab/image_ring.h"
 #include "runtime/grab/scene_patches.h"
-#include "runtime/grab/sweep_tray.h"
+#include "runtime/grab/sweep_source.h"
 #include "runtime/ports/stillness_sensor.h"
 #include "runtime/ports/system_clocks.h"
 #include "runtime/ports/trigger.h"
@@ -27,7 +27,7 @@ struct CameraFeed {
 };
 struct LidarFeed {
   SensorName name;
-  SweepTray* tray = nullptr;
+  SweepSource* tray = nullptr;
   std::size_t sweeps = 1;  ///< of one shot
 };
 

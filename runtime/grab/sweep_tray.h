@@ -8,6 +8,7 @@
 
 #include "runtime/base/arena.h"
 #include "runtime/base/status.h"
+#include "runtime/grab/sweep_source.h"
 #include "runtime/lidar/sweep.h"
 #include "runtime/lidar/sweep_builder.h"
 #include "runtime/ports/packet_source.h"
@@ -21,7 +22,7 @@ inline constexpr std::size_t kMaxTraySweeps = 32;
 /// and counted; only dropped duplicates are forgiven.
 ///
 /// One thread calls take() (through a packet source), one other the rest.
-class SweepTray final : public ports::PacketVisitor {
+class SweepTray final : public SweepSource, public ports::PacketVisitor {
  public:
   SweepTray() = default;
   SweepTray(const SweepTray&) = delete;
@@ -36,17 +37,12 @@ class SweepTray final : public ports::PacketVisitor {
   /// Receiving thread: a packet of this LiDAR.
   void take(const ports::Packet& packet) override;
 
-  /// Begins to keep sweeps whose first packet arrives after this call, the next `count` whole ones.
-  void ask(std::size_t count);
-  /// All that were asked for are there.
-  bool full() const { return state_.load(std::memory_order_acquire) == State::kFull; }
-  /// Ends keeping. @return false while the receiving thread is in the middle of a packet: call again a little later.
-  bool stop();
-  /// What was kept, once stop() returned true; valid until the next ask().
-  std::span<const lidar::Sweep> sweeps() const { return {sweeps_.data(), kept_}; }
-  /// Sweeps that came since ask() and were not whole, and what was wrong with any of them (bits of SweepFlag).
-  uint32_t discarded() const { return discarded_.load(std::memory_order_relaxed); }
-  uint32_t discarded_flags() const { return discarded_flags_.load(std::memory_order_relaxed); }
+  void ask(std::size_t count) override;
+  bool full() const override { return state_.load(std::memory_order_acquire) == State::kFull; }
+  bool stop() override;
+  std::span<const lidar::Sweep> sweeps() const override { return {sweeps_.data(), kept_}; }
+  uint32_t discarded() const override { return discarded_.load(std::memory_order_relaxed); }
+  uint32_t discarded_flags() const override { return discarded_flags_.load(std::memory_order_relaxed); }
 
   /// Receiving thread only; others get a copy of it.
   const lidar::SweepCounters& counters() const { return builder_.counters(); }

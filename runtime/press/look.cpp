@@ -83,7 +83,7 @@ void Look::look_at_camera(std::size_t camera) {
 void Look::look_at_lidar(std::size_t lidar) {
   sight_.sensor = device_.lidars[lidar].name;
   sight_.camera = false;
-  grab::SweepTray& tray = *sources_.lidars[lidar].tray;
+  grab::SweepSource& tray = *sources_.lidars[lidar].tray;
   const int64_t begin_ns = clocks_.now_ns();
   tray.ask(1);
   while (!tray.full() && clocks_.now_ns() - begin_ns < kSweepWait_ns) clocks_.sleep_until(clocks_.now_ns() + kPoll_ns);
