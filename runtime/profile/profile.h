@@ -10,6 +10,7 @@
 #include "runtime/calib/device.h"
 #include "runtime/calib/limits.h"
 #include "runtime/lidar/calibration.h"
+#include "runtime/lidar/turntable.h"
 #include "runtime/profile/wiring.h"
 #include "runtime/store/record.h"
 
@@ -31,6 +32,8 @@ struct LidarProfile {
   lidar::Calibration calibration;  ///< the unit's angles, or the manual's
   calib::NominalMounting nominal;
   LidarWiring wiring;
+  bool on_turntable = false;  ///< a 2-D profiler that the servo turns
+  lidar::TurntableMounting turntable;
 };
 
 /// One device as it was provisioned: all that the program on it knows beside the room's map and its store. Plain

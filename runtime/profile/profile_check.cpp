@@ -25,12 +25,14 @@ bool printable(std::string_view text) {
   return !text.empty();
 }
 
+bool is_rotation(const Mat33& R) {
+  return R.allFinite() && (R * R.transpose() - Mat33::Identity()).norm() < 1e-6 && R.determinant() > 0;
+}
+
 bool sane(const calib::NominalMounting& nominal) {
   if (!nominal.known) return true;
-  const Mat33& R = nominal.T_rig_sensor.R;
-  return R.allFinite() && (R * R.transpose() - Mat33::Identity()).norm() < 1e-6 && R.determinant() > 0 &&
-         nominal.T_rig_sensor.t.norm() < kMaxLever_m && nominal.sigma_t_m > 0 && nominal.sigma_t_m <= 10 &&
-         nominal.sigma_rot_rad > 0 && nominal.sigma_rot_rad <= kPi;
+  return is_rotation(nominal.T_rig_sensor.R) && nominal.T_rig_sensor.t.norm() < kMaxLever_m && nominal.sigma_t_m > 0 &&
+         nominal.sigma_t_m <= 10 && nominal.sigma_rot_rad > 0 && nominal.sigma_rot_rad <= kPi;
 }
 
 bool in(double value, double least, double most) { return value >= least && value <= most; }
@@ -51,7 +53,7 @@ Status check_camera(const CameraProfile& camera, Reason& what) {
   return ok_status();
 }
 
-Status check_lidar(const LidarProfile& lidar, Reason& what) {
+Status check_lidar(const Profile& profile, const LidarProfile& lidar, Reason& what) {
   const Name who(lidar.name);
   const lidar::ModelInfo* model = calib::packets_of(lidar.model.view());
   if (model == nullptr || calib::ranges_of(lidar.model.view()) == nullptr || lidar.calibration.model != model->model)
@@ -59,6 +61,12 @@ Status check_lidar(const LidarProfile& lidar, Reason& what) {
   if (lidar.wiring.sweeps < 1 || lidar.wiring.sweeps > grab::kMaxTraySweeps)
     return refuse(make_reason("%.*s: a shot joins one to %zu sweeps", who.length, who.text, grab::kMaxTraySweeps),
                   what);
+  if (lidar.on_turntable && profile.wiring.servo.node == 0)
+    return refuse(make_reason("%.*s: it is on a turntable, and wiring.servo names no node", who.length, who.text),
+                  what);
+  if (lidar.on_turntable &&
+      (std::abs(lidar.turntable.axis_lidar.norm() - 1) > 1e-6 || !is_rotation(lidar.turntable.T_lidar_profiler.R)))
+    return refuse(make_reason("%.*s: the turntable's axis or mounting is none", who.length, who.text), what);
   if (!lidar.wiring.group.empty() && lidar.wiring.interface.empty())
     return refuse(make_reason("%.*s: a multicast group needs the network interface", who.length, who.text), what);
   return ok_status();
@@ -101,8 +109,9 @@ Status check_wiring(const Wiring& w, Reason& what) {
   if (w.light.kind == LightKind::kLine && w.light.line.empty()) return refuse("light: it has no line", what);
   if (w.can.standstill && w.can.interface.empty()) return refuse("can: standstill needs an interface", what);
   if (w.servo.node != 0 && w.can.interface.empty()) return refuse("servo: it needs wiring.can.interface", what);
-  if (w.servo.node > 127 || !in(w.servo.counts_per_turn, 1, 1e9) || !in(w.servo.turn_s, 0.5, 600))
-    return refuse("servo: node, counts or time of a turn are out of range", what);
+  if (w.servo.node > 127 || !in(std::abs(w.servo.counts_per_turn), 1, 1e9) || !in(w.servo.half_turn_s, 0.5, 600) ||
+      !(std::abs(w.servo.velocity_units_per_count) > 0) || !(w.servo.acceleration_units_per_count > 0))
+    return refuse("servo: node, units or time of a turn are out of range", what);
   if (!w.watchdog.path.empty() && (w.watchdog.timeout_s < 2 || w.watchdog.timeout_s > 600))
     return refuse("watchdog: its timeout is not between 2 and 600 s", what);
   return ok_status();
@@ -121,7 +130,7 @@ Status check_profile(const Profile& profile, Reason& what) {
   }
   for (const LidarProfile& lidar : profile.lidars) {
     ROOMCAL_TRY(check_identity(profile, lidar, what));
-    ROOMCAL_TRY(check_lidar(lidar, what));
+    ROOMCAL_TRY(check_lidar(profile, lidar, what));
   }
   const GrabWiring& g = profile.grab;
   if (!in(g.patience_s, 0.5, 600) || !in(g.image_wait_s, 0.05, 120) || !in(g.max_spread_ms, 0, 10'000) ||

@@ -94,8 +94,16 @@ Status take_calibration(const fbs::Lidar& stored, const lidar::ModelInfo& model,
   return ok_status();
 }
 
+void take(const fbs::Turntable* stored, LidarProfile& out) {
+  out.on_turntable = stored != nullptr;
+  if (stored == nullptr) return;
+  for (flatbuffers::uoffset_t i = 0; i < 3; ++i) out.turntable.axis_lidar[i] = stored->axis_lidar()->Get(i);
+  out.turntable.T_lidar_profiler = camera::to_se3(stored->pose_lidar());
+}
+
 Status take(const fbs::Lidar& stored, LidarProfile& out) {
   take(stored.nominal(), out.nominal);
+  take(stored.turntable(), out);
   if (!take_text(stored.name(), out.name) || !take_text(stored.serial(), out.serial) ||
       !take_text(stored.model(), out.model) || !take(*stored.wiring(), out.wiring))
     return kTooMuch;
@@ -129,7 +137,12 @@ bool take_face(const fbs::Wiring& stored, Wiring& out) {
 
 bool take(const fbs::Wiring& stored, Wiring& out) {
   out.can.standstill = stored.can_standstill();
-  out.servo = {stored.servo_node(), stored.servo_counts_per_turn(), stored.servo_turn_s()};
+  out.servo = {stored.servo_node(),
+               stored.servo_counts_per_turn(),
+               stored.servo_velocity_units_per_count(),
+               stored.servo_acceleration_units_per_count(),
+               stored.servo_homing_method(),
+               stored.servo_half_turn_s()};
   out.watchdog.timeout_s = stored.watchdog_timeout_s();
   out.store.size_bytes = stored.store_size_bytes();
   out.store.page_bytes = stored.store_page_bytes();

@@ -94,11 +94,14 @@ struct CanWiring {
   bool standstill = false;  ///< the vehicle tells whether it stands; without its word nothing is calibrated
 };
 
-/// A 2-D profiler turned by a CiA 402 drive on the CAN bus.
+/// The CiA 402 drive on the CAN bus that turns a 2-D profiler; units as drivers/cia402/servo_options.h has them.
 struct ServoWiring {
-  uint8_t node = 0;                 ///< CANopen node; 0: there is none
-  double counts_per_turn = 65'536;  ///< of the position that the drive reports
-  double turn_s = 10;               ///< for half a turn, a full sphere
+  uint8_t node = 0;                    ///< CANopen node; 0: there is none
+  double counts_per_turn = 1'048'576;  ///< of the table; negative: it turns the other way round
+  double velocity_units_per_count = 1;
+  double acceleration_units_per_count = 1;
+  int8_t homing_method = 0;  ///< by the drive's manual; 0: it has an absolute encoder
+  double half_turn_s = 10;   ///< that a sweep of the whole sphere takes
 };
 
 struct WatchdogWiring {

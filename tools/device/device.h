@@ -6,6 +6,7 @@
 
 #include "runtime/calib/limits.h"
 #include "runtime/camera/parameters.h"
+#include "runtime/lidar/turntable.h"
 #include "runtime/math/se3.h"
 #include "runtime/profile/wiring.h"
 
@@ -33,6 +34,7 @@ struct Sensor {
   std::string calibration_file;         ///< of a LiDAR: the unit's own angles, beside device.yaml; may be empty
   profile::CameraWiring camera_wiring;  ///< of a camera
   profile::LidarWiring lidar_wiring;    ///< of a LiDAR
+  std::optional<lidar::TurntableMounting> turntable;  ///< of a profiler that a servo turns
 };
 
 /// What `device.yaml` says: the sensors of one rig, and which of them is the rig's frame.

@@ -112,15 +112,29 @@ class DeviceReader {
   }
 
   void read_lidar(const YAML::Node& node, Sensor& sensor) const {
-    yaml_.allow_keys(node, {"name", "kind", "serial", "model", "file", "calibration", "nominal", "driver"},
+    yaml_.allow_keys(node, {"name", "kind", "serial", "model", "file", "calibration", "nominal", "driver", "turntable"},
                      sensor.name);
     sensor.kind = SensorKind::kLidar;
     sensor.lidar_model = yaml_.text(yaml_.field(node, "model"), sensor.name + ": model");
     if (node["file"].IsDefined()) sensor.file = yaml_.text(node["file"], sensor.name + ": file");
+    if (node["turntable"].IsDefined())
+      sensor.turntable = read_turntable(node["turntable"], sensor.name + ": turntable");
     if (node["calibration"].IsDefined())
       sensor.calibration_file = yaml_.text(node["calibration"], sensor.name + ": calibration");
     if (node["driver"].IsDefined())
       sensor.lidar_wiring = read_lidar_wiring(yaml_, node["driver"], sensor.name + ": driver");
+  }
+
+  lidar::TurntableMounting read_turntable(const YAML::Node& node, const std::string& what) const {
+    yaml_.allow_keys(node, {"axis_lidar", "T_lidar_profiler"}, what);
+    lidar::TurntableMounting table;
+    const auto axis = yaml_.numbers(yaml_.field(node, "axis_lidar"), 3, what + ": axis_lidar");
+    table.axis_lidar = Vec3(axis[0], axis[1], axis[2]);
+    if (std::abs(table.axis_lidar.norm() - 1) > 1e-3) yaml_.fail(node, what + ": axis_lidar is a unit vector");
+    table.axis_lidar.normalize();
+    table.T_lidar_profiler =
+        SE3::from_matrix(yaml_.transform(yaml_.field(node, "T_lidar_profiler"), what + ": T_lidar_profiler"));
+    return table;
   }
 
   NominalMount read_nominal(const YAML::Node& node, const std::string& what) const {
@@ -146,12 +160,23 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-std::string nominal_text(const NominalMount& nominal) {
-  std::string text = "    nominal:\n      T_rig_sensor:\n";
-  const Mat44 T = nominal.T_rig_sensor.matrix();
-  for (int row = 0; row < 4; ++row) {
+std::string rows_text(const SE3& pose) {
+  std::string text;
+  const Mat44 T = pose.matrix();
+  for (int row = 0; row < 4; ++row)
     text += fmt::format("        - [{}, {}, {}, {}]\n", T(row, 0), T(row, 1), T(row, 2), T(row, 3));
-  }
+  return text;
+}
+
+std::string turntable_text(const lidar::TurntableMounting& table) {
+  const Vec3& axis = table.axis_lidar;
+  return fmt::format("    turntable:\n      axis_lidar: [{}, {}, {}]\n      T_lidar_profiler:\n", axis.x(), axis.y(),
+                     axis.z()) +
+         rows_text(table.T_lidar_profiler);
+}
+
+std::string nominal_text(const NominalMount& nominal) {
+  const std::string text = "    nominal:\n      T_rig_sensor:\n" + rows_text(nominal.T_rig_sensor);
   return text + fmt::format("      sigma_t_m: {}\n      sigma_rot_deg: {}\n", nominal.sigma_t_m,
                             rad_to_deg(nominal.sigma_rot_rad));
 }
@@ -176,6 +201,7 @@ std::string sensor_text(const Sensor& sensor) {
     if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";
     if (!sensor.calibration_file.empty()) text += "    calibration: " + quoted(sensor.calibration_file) + "\n";
   }
+  if (sensor.turntable) text += turntable_text(*sensor.turntable);
   if (!driver.empty()) text += "    driver: " + driver + "\n";
   return sensor.nominal ? text + nominal_text(*sensor.nominal) : text;
 }

@@ -40,9 +40,10 @@ namespace roomcal::tools {
 ///     limits:                          # of the verdict; may be left out, and so may each of them (limits_yaml.h)
 ///       max_sigma_t_m: 0.003
 ///
-/// `driver` of a sensor, `calibration` of a LiDAR (the unit's angles, a file beside this one), `grab` and `wiring` say
-/// how the device is put together: wiring_yaml.h. They are what `roomcal provision` puts on the device; the host's
-/// commands need none of them.
+/// `turntable: {axis_lidar: [x, y, z], T_lidar_profiler: rows}` makes a 2-D profiler that a servo turns a LiDAR (model
+/// tls; see lidar::TurntableMounting). `driver` of a sensor, `calibration` of a LiDAR (the unit's angles, a file beside
+/// this one), `grab` and `wiring` say how the device is put together: wiring_yaml.h. They are what `roomcal provision`
+/// puts on the device; the host's commands need none of them.
 ///
 /// Strict: a key that is not above is an error, because a mistyped one would be ignored silently.
 /// @param where  the file's name, for messages.

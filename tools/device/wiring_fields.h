@@ -100,7 +100,10 @@ template <typename Fields>
 void walk(profile::ServoWiring& w, Fields& f) {
   f.number("node", w.node);
   f.number("counts_per_turn", w.counts_per_turn);
-  f.number("turn_s", w.turn_s);
+  f.number("velocity_units_per_count", w.velocity_units_per_count);
+  f.number("acceleration_units_per_count", w.acceleration_units_per_count);
+  f.number("homing_method", w.homing_method);
+  f.number("half_turn_s", w.half_turn_s);
 }
 
 template <typename Fields>

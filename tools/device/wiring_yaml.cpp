@@ -76,7 +76,8 @@ class FieldReader {
       value = yaml_.number(node, path(key));
     } else {
       const double read = yaml_.number(node, path(key));
-      if (!(read >= 0 && read <= static_cast<double>(std::numeric_limits<Number>::max()) && read == std::floor(read)))
+      if (!(read >= static_cast<double>(std::numeric_limits<Number>::min()) &&
+            read <= static_cast<double>(std::numeric_limits<Number>::max()) && read == std::floor(read)))
         yaml_.fail(node, fmt::format("{}: a whole number up to {}", path(key), std::numeric_limits<Number>::max()));
       value = static_cast<Number>(read);
     }

@@ -25,7 +25,8 @@ namespace roomcal::tools {
 ///       light: {kind: led, path: /sys/class/leds/calibrate}                                   # or line, none
 ///       console: {path: /dev/ttyS1, baud: 115200}
 ///       can: {interface: can0, standstill: true}
-///       servo: {node: 5, counts_per_turn: 65536, turn_s: 10}
+///       servo: {node: 5, counts_per_turn: 1048576, velocity_units_per_count: 1, acceleration_units_per_count: 1,
+///               homing_method: 0, half_turn_s: 10}
 ///       watchdog: {path: /dev/watchdog, timeout_s: 10}
 ///       store: {kind: file, path: /var/lib/roomcal/store, size_bytes: 196608, page_bytes: 0}  # or partition, nvmem
 ///       replay: /var/lib/roomcal/shots

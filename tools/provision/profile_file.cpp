@@ -81,7 +81,11 @@ flatbuffers::Offset<fbs::Lidar> put(Builder& builder, const profile::LidarProfil
   const auto wiring = put(builder, lidar.wiring);
   const auto nominal = put(builder, lidar.nominal);
   const Text name = put(builder, lidar.name), serial = put(builder, lidar.serial), model = put(builder, lidar.model);
-  return fbs::CreateLidar(builder, name, serial, model, c.from_unit, c.dual_returns, beams_at, ouster, nominal, wiring);
+  const lidar::TurntableMounting& m = lidar.turntable;
+  const fbs::Turntable turntable(std::array<double, 3>{m.axis_lidar.x(), m.axis_lidar.y(), m.axis_lidar.z()},
+                                 camera::to_flat_transform<fbs::Transform>(m.T_lidar_profiler));
+  return fbs::CreateLidar(builder, name, serial, model, c.from_unit, c.dual_returns, beams_at, ouster, nominal, wiring,
+                          lidar.on_turntable ? &turntable : nullptr);
 }
 
 flatbuffers::Offset<fbs::Wiring> put(Builder& builder, const profile::Wiring& w) {
@@ -92,13 +96,14 @@ flatbuffers::Offset<fbs::Wiring> put(Builder& builder, const profile::Wiring& w)
              console = put(builder, w.console.path), can = put(builder, w.can.interface),
              watchdog = put(builder, w.watchdog.path), store = put(builder, w.store.path),
              replay = put(builder, w.replay_folder);
-  return fbs::CreateWiring(builder, static_cast<uint8_t>(w.trigger.kind), chip, trigger_line, w.trigger.pulse_us,
-                           address, w.trigger.device_key, w.trigger.group_key, w.trigger.group_mask,
-                           static_cast<uint8_t>(w.button.kind), button, w.button.code, button_line, w.button.active_low,
-                           w.button.debounce_us, static_cast<uint8_t>(w.light.kind), light, light_line,
-                           w.light.active_low, console, w.console.baud, can, w.can.standstill, w.servo.node,
-                           w.servo.counts_per_turn, w.servo.turn_s, watchdog, w.watchdog.timeout_s,
-                           static_cast<uint8_t>(w.store.kind), store, w.store.size_bytes, w.store.page_bytes, replay);
+  return fbs::CreateWiring(
+      builder, static_cast<uint8_t>(w.trigger.kind), chip, trigger_line, w.trigger.pulse_us, address,
+      w.trigger.device_key, w.trigger.group_key, w.trigger.group_mask, static_cast<uint8_t>(w.button.kind), button,
+      w.button.code, button_line, w.button.active_low, w.button.debounce_us, static_cast<uint8_t>(w.light.kind), light,
+      light_line, w.light.active_low, console, w.console.baud, can, w.can.standstill, w.servo.node,
+      w.servo.counts_per_turn, w.servo.velocity_units_per_count, w.servo.acceleration_units_per_count,
+      w.servo.homing_method, w.servo.half_turn_s, watchdog, w.watchdog.timeout_s, static_cast<uint8_t>(w.store.kind),
+      store, w.store.size_bytes, w.store.page_bytes, replay);
 }
 
 std::vector<flatbuffers::Offset<fbs::Limit>> put(Builder& builder, const calib::Limits& limits) {

@@ -47,6 +47,8 @@ profile::LidarProfile to_lidar(const Sensor& sensor, const fs::path& folder, con
   lidar.model = std::string_view(sensor.lidar_model);
   lidar.nominal = to_mounting(sensor);
   lidar.wiring = sensor.lidar_wiring;
+  lidar.on_turntable = sensor.turntable.has_value();
+  if (sensor.turntable) lidar.turntable = *sensor.turntable;
   if (lidar.wiring.port == 0) lidar.wiring.port = model->data_port;
   const fs::path angles = sensor.calibration_file.empty() ? fs::path() : folder / sensor.calibration_file;
   lidar.calibration = read_calibration(model->model, angles);
