@@ -91,7 +91,21 @@ Status CanSide::SharedTrigger::fire() {
   return {StatusCode::kUnavailable, "CAL_TRIGGER could not be sent: check the bus"};
 }
 
-Status CanSide::start(const profile::CanWiring& wiring, uint32_t seed) {
+Status CanSide::add_servo(const profile::ServoWiring& wiring) {
+  drivers::cia402::ServoOptions options;
+  options.node_id = wiring.node;
+  options.counts_per_turn = wiring.counts_per_turn;
+  options.velocity_units_per_count = wiring.velocity_units_per_count;
+  options.acceleration_units_per_count = wiring.acceleration_units_per_count;
+  options.homing_method = wiring.homing_method;
+  ROOMCAL_TRY(check(options));
+  servo_rate_radps_ = kPi / wiring.half_turn_s;
+  servo_.emplace(bus_, clocks_, options);
+  return dispatcher_.add(*servo_);
+}
+
+Status CanSide::start(const profile::Wiring& all, uint32_t seed) {
+  const profile::CanWiring& wiring = all.can;
   const std::string_view interface = wiring.interface.view();
   std::copy(interface.begin(), interface.end(), interface_.begin());
   station_.emplace(bus_, clocks_, seed);
@@ -102,15 +116,40 @@ Status CanSide::start(const profile::CanWiring& wiring, uint32_t seed) {
     standstill_.emplace(bus_, options);
     ROOMCAL_TRY(dispatcher_.add(*standstill_));
   }
-  drivers::SocketCanOptions options;
-  options.interface = interface_.data();
-  options.ids = dispatcher_.ids();
-  return bus_.start(options);
+  if (all.servo.node != 0) {
+    ROOMCAL_TRY(add_servo(all.servo));
+    servo_->power_on();
+  }
+  return ok_status();
+}
+
+// It turns while a sweep is wanted, and rests otherwise.
+void CanSide::turn_table() {
+  servo_->poll();
+  hand_on_angles();
+  const bool faulted = servo_->step() == drivers::cia402::ServoStep::kFaulted;
+  if (faulted && !told_servo_fault_) log_.note("servo", servo_->reason().view());
+  told_servo_fault_ = faulted;
+  if (tray_ == nullptr) return;
+  if (!tray_->wants_turn()) return servo_->stop();
+  if (faulted) return servo_->power_on();  // somebody waits for it: another try
+  if (servo_->ready()) {
+    if (const Status turns = servo_->turn(servo_rate_radps_); !turns.ok()) log_.note("servo", turns.detail());
+  }
+  if (servo_->at_speed()) tray_->begin_turn();
+}
+
+void CanSide::hand_on_angles() {
+  for (drivers::cia402::ServoPosition position; servo_->next_position(position);) {
+    const int64_t at_ns = bus_clock_.to_monotonic(position.on_bus, 0, clocks_.now_ns(), clocks_).exposed_ns;
+    if (tray_ != nullptr) tray_->add_angle(at_ns, position.angle_rad);
+  }
 }
 
 void CanSide::poll() {
   if (!station_) return;
   dispatcher_.poll();
+  if (servo_) turn_table();
   if (standstill_) {
     still_ = standstill_->look(clocks_.now_ns());
     stillness_.tell(still_);

@@ -5,11 +5,13 @@
 #include <optional>
 
 #include "drivers/can/dispatcher.h"
-#include "drivers/can/socketcan.h"
 #include "drivers/can/standstill.h"
 #include "drivers/can/station.h"
+#include "drivers/cia402/servo.h"
 #include "runtime/base/latest.h"
 #include "runtime/face/vitals.h"
+#include "runtime/grab/clock_map.h"
+#include "runtime/grab/turntable_tray.h"
 #include "runtime/ports/log.h"
 #include "runtime/ports/stillness_sensor.h"
 #include "runtime/ports/trigger.h"
@@ -37,17 +39,18 @@ enum class CanWish : uint8_t { kNone, kVerify, kCalibrate, kAbort };
 /// and triggers through the two ports, which never touch the bus themselves.
 class CanSide {
  public:
-  CanSide(drivers::CanKernel& kernel, const ports::SystemClocks& clocks, ports::Log& log)
-      : clocks_(clocks),
-        log_(log),
-        bus_(kernel, clocks),
-        dispatcher_(bus_, clocks),
-        stillness_(clocks),
-        trigger_(clocks) {}
+  /// All outlive it.
+  CanSide(ports::CanBus& bus, const ports::SystemClocks& clocks, ports::Log& log)
+      : clocks_(clocks), log_(log), bus_(bus), dispatcher_(bus, clocks), stillness_(clocks), trigger_(clocks) {}
 
+  /// Once, before the bus itself is started with ids().
   /// @param seed  of the command nonces, another one at every start.
-  /// @return what SocketCan::start() says; it then goes on looking for the interface.
-  Status start(const profile::CanWiring& wiring, uint32_t seed);
+  /// @return kInvalidArgument for a servo that cannot work; kCapacity.
+  Status start(const profile::Wiring& wiring, uint32_t seed);
+  /// All that is heard or sent.
+  std::span<const drivers::CanId> ids() const { return dispatcher_.ids(); }
+  /// The servo turns whenever the tray wants it. @param tray  outlives this side.
+  void turn_for(grab::TurntableTray& tray) { tray_ = &tray; }
   bool started() const { return station_.has_value(); }
 
   /// Supervisor, 50 Hz or more.
@@ -58,7 +61,10 @@ class CanSide {
   /// Whether the wish was granted, for the next CAL_STATUS.
   void answer(Status status);
 
-  const drivers::SocketCan& bus() const { return bus_; }
+  const ports::CanBus& bus() const { return bus_; }
+  bool has_servo() const { return servo_.has_value(); }
+  /// One line that names the servo's fault and the remedy; empty if there is none.
+  Reason servo_trouble() const { return servo_ ? servo_->reason() : Reason(); }
   ports::Stillness still_now() const { return still_; }
   bool has_standstill() const { return standstill_.has_value(); }
 
@@ -97,13 +103,22 @@ class CanSide {
     std::atomic<Wish> wish_{Wish::kNone};
   };
 
+  Status add_servo(const profile::ServoWiring& wiring);
+  void turn_table();
+  void hand_on_angles();
+
   const ports::SystemClocks& clocks_;
   ports::Log& log_;
-  std::array<char, profile::ShortText::capacity() + 1> interface_{};  ///< ends with a zero; drivers keep it
-  drivers::SocketCan bus_;
+  std::array<char, profile::ShortText::capacity() + 1> interface_{};  ///< ends with a zero; the standstill keeps it
+  ports::CanBus& bus_;
   drivers::Dispatcher dispatcher_;
   std::optional<drivers::Station> station_;
   std::optional<drivers::VehicleStandstill> standstill_;
+  std::optional<drivers::cia402::Servo> servo_;
+  double servo_rate_radps_ = 0;
+  grab::TurntableTray* tray_ = nullptr;
+  grab::ClockMap bus_clock_;
+  bool told_servo_fault_ = false;
   ports::Stillness still_{false, "can: nothing was heard yet"};
   SharedStillness stillness_;
   SharedTrigger trigger_;

@@ -17,7 +17,6 @@ struct Capacities {
   std::size_t sweep_points = 0;       ///< of one sweep
   std::size_t sweeps = 0;             ///< of one LiDAR in one shot
   std::size_t map_bytes = 96 * 1024;  ///< of the room's map: 60 kB for 340 markers
-  std::size_t replay_bytes = 0;       ///< of recordings that replay drivers hold; 0: the board has none
   std::size_t camera_stack = 64 * 1024;
   std::size_t lidar_stack = 64 * 1024;
   std::size_t press_stack = 256 * 1024;

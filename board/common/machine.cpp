@@ -120,29 +120,42 @@ Status Machine::open_cameras(Reason& why) {
 }
 
 Status Machine::open_lidars(Reason& why) {
-  const profile::Profile& profile = *files_.profile;
   lidar_thread_.prepare(clocks_);
-  for (std::size_t i = 0; i < profile.lidars.size(); ++i) {
-    const profile::LidarProfile& lidar = profile.lidars[i];
-    const std::string_view name = lidar.name.view();
-    if (const Status made =
-            trays_[i].create(lidar.calibration, sweep_options(*options_.board, lidar), lidar.wiring.sweeps, arena_);
-        !made.ok())
-      return fail(made, name, why);
-    const std::span<std::byte> memory = std::as_writable_bytes(arena_.allocate_uninitialized<std::max_align_t>(
-        PacketDriver::memory_bytes(lidar, replay_) / sizeof(std::max_align_t) + 1));
-    if (memory.empty()) return fail(out_of_arena("no memory for its packets"), name, why);
-    packet_drivers_[i].choose(lidar, replay_, clocks_, memory);
-    if (const Status started = packet_drivers_[i].source().start(); !started.ok()) return fail(started, name, why);
+  std::size_t on_turntables = 0;
+  for (std::size_t i = 0; i < files_.profile->lidars.size(); ++i) {
+    on_turntables += files_.profile->lidars[i].on_turntable ? 1 : 0;
+    ROOMCAL_TRY(open_lidar(i, why));
+  }
+  if (on_turntables > 1) return fail({StatusCode::kUnsupported, "one servo turns one profiler"}, "turntable", why);
+  if (on_turntables == 1) can_.turn_for(turntable_);
+  return ok_status();
+}
+
+Status Machine::open_lidar(std::size_t i, Reason& why) {
+  const profile::LidarProfile& lidar = files_.profile->lidars[i];
+  const std::string_view name = lidar.name.view();
+  const lidar::SweepOptions cut = sweep_options(*options_.board, lidar);
+  const Status made = lidar.on_turntable ? turntable_.create(lidar.calibration, cut,
+                                                             turntable_options(*options_.board, lidar), clocks_, arena_)
+                                         : trays_[i].create(lidar.calibration, cut, lidar.wiring.sweeps, arena_);
+  if (!made.ok()) return fail(made, name, why);
+  const std::span<std::byte> memory = std::as_writable_bytes(arena_.allocate_uninitialized<std::max_align_t>(
+      PacketDriver::memory_bytes(lidar, replay_) / sizeof(std::max_align_t) + 1));
+  if (memory.empty()) return fail(out_of_arena("no memory for its packets"), name, why);
+  packet_drivers_[i].choose(lidar, replay_, clocks_, memory);
+  if (const Status started = packet_drivers_[i].source().start(); !started.ok()) return fail(started, name, why);
+  face::LidarVitals vitals;
+  vitals.name = lidar.name;
+  vitals.model = lidar.model;
+  vitals.driver = to_string(lidar.wiring.driver);
+  const std::string_view sender = lidar.wiring.sender.view();
+  vitals.address = make_reason("%.*s:%u", static_cast<int>(sender.size()), sender.data(), lidar.wiring.port).view();
+  if (lidar.on_turntable) {
+    static_cast<void>(sources_.lidars.push_back({lidar.name, &turntable_, 1}));
+    lidar_thread_.add(vitals, packet_drivers_[i], turntable_, turntable_.counters());
+  } else {
     static_cast<void>(sources_.lidars.push_back({lidar.name, &trays_[i], lidar.wiring.sweeps}));
-    face::LidarVitals vitals;
-    vitals.name = lidar.name;
-    vitals.model = lidar.model;
-    vitals.driver = to_string(lidar.wiring.driver);
-    vitals.address = make_reason("%.*s:%u", static_cast<int>(lidar.wiring.sender.view().size()),
-                                 lidar.wiring.sender.view().data(), lidar.wiring.port)
-                         .view();
-    lidar_thread_.add(vitals, packet_drivers_[i], trays_[i]);
+    lidar_thread_.add(vitals, packet_drivers_[i], trays_[i], trays_[i].counters());
   }
   return ok_status();
 }
@@ -200,6 +213,9 @@ grab::GrabOptions Machine::grab_options() const {
   options.image_wait_ns = static_cast<int64_t>(w.image_wait_s * 1e9);
   options.max_spread_ns = static_cast<int64_t>(w.max_spread_ms * 1e6);
   options.motion.median_px = w.still_px;
+  constexpr double kSpinUp_s = 5;
+  if (files_.profile->wiring.servo.node != 0)
+    options.sweep_wait_ns = static_cast<int64_t>((1.5 * files_.profile->wiring.servo.half_turn_s + kSpinUp_s) * 1e9);
   return options;
 }
 

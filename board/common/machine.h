@@ -20,6 +20,8 @@
 #if ROOMCAL_ARAVIS || ROOMCAL_LIBCAMERA
 #include "drivers/relay/software_trigger.h"
 #endif
+#include "runtime/grab/sweep_tray.h"
+#include "runtime/grab/turntable_tray.h"
 #include "runtime/map/triangle_index.h"
 #include "runtime/scan/surface.h"
 
@@ -77,6 +79,7 @@ class Machine {
   Status place_map(Reason& why);
   Status open_cameras(Reason& why);
   Status open_lidars(Reason& why);
+  Status open_lidar(std::size_t i, Reason& why);
   Status open_trigger(Reason& why);
   Status make_session(Reason& why);
   Status start_threads(Reason& why);
@@ -112,6 +115,7 @@ class Machine {
   std::array<PacketDriver, calib::kMaxLidars> packet_drivers_;
   std::array<grab::ImageRing, calib::kMaxCameras> rings_;
   std::array<grab::SweepTray, calib::kMaxLidars> trays_;
+  grab::TurntableTray turntable_;  ///< one servo, one profiler
   std::variant<std::monostate, drivers::GpioTrigger, drivers::ActionTrigger
 #if ROOMCAL_ARAVIS || ROOMCAL_LIBCAMERA
                ,

@@ -7,6 +7,7 @@
 #include "runtime/console/console.h"
 #include "runtime/grab/image_ring.h"
 #include "runtime/grab/sweep_tray.h"
+#include "runtime/grab/turntable_tray.h"
 #include "runtime/store/store.h"
 
 namespace roomcal::board {
@@ -71,8 +72,16 @@ std::size_t BoardPlan::total_bytes() const {
   return total;
 }
 
-lidar::SweepOptions sweep_options(const Capacities& board, const profile::LidarProfile& /*lidar*/) {
+lidar::SweepOptions sweep_options(const Capacities& board, const profile::LidarProfile& lidar) {
+  constexpr std::size_t kProfilePoints = 25'200;  // R2000: the most samples of a turn
   lidar::SweepOptions options;
+  options.capacity = lidar.on_turntable ? kProfilePoints : board.sweep_points;
+  return options;
+}
+
+lidar::TurntableOptions turntable_options(const Capacities& board, const profile::LidarProfile& lidar) {
+  lidar::TurntableOptions options;
+  options.mounting = lidar.turntable;
   options.capacity = board.sweep_points;
   return options;
 }
@@ -84,7 +93,6 @@ Status plan_board(const Capacities& board, const profile::Profile& profile, cons
   plan.limit_bytes = board.limit_bytes;
   why.clear();
   Status fits = check_counts(board, profile, map_bytes, why);
-  std::size_t replay_bytes = 0;
   add(plan, {}, "map", map_bytes);
   for (const profile::CameraProfile& camera : profile.cameras) {
     if (const Status checked = check_camera(board, camera, why); fits.ok()) fits = checked;
@@ -93,14 +101,15 @@ Status plan_board(const Capacities& board, const profile::Profile& profile, cons
     add(plan, camera.name.view(), "stack", stack_bytes(board.camera_stack));
     const std::size_t recorded = ImageDriver::memory_bytes(camera, replay);
     if (recorded > 0) add(plan, camera.name.view(), "recordings", recorded);
-    replay_bytes += recorded;
   }
   for (const profile::LidarProfile& lidar : profile.lidars) {
     if (const Status checked = check_lidar(board, lidar, why); fits.ok()) fits = checked;
-    add(plan, lidar.name.view(), "sweeps", grab::SweepTray::bytes(sweep_options(board, lidar), lidar.wiring.sweeps));
+    const lidar::SweepOptions cut = sweep_options(board, lidar);
+    add(plan, lidar.name.view(), "sweeps",
+        lidar.on_turntable ? grab::TurntableTray::bytes(cut, turntable_options(board, lidar))
+                           : grab::SweepTray::bytes(cut, lidar.wiring.sweeps));
     const std::size_t packets = PacketDriver::memory_bytes(lidar, replay);
     add(plan, lidar.name.view(), "packets", packets);
-    if (lidar.wiring.driver == profile::PacketDriver::kReplay) replay_bytes += packets;
   }
   if (!profile.lidars.empty()) add(plan, {}, "packet stack", stack_bytes(board.lidar_stack));
   add(plan, {}, "session stack", stack_bytes(board.press_stack));
@@ -110,12 +119,8 @@ Status plan_board(const Capacities& board, const profile::Profile& profile, cons
   add(plan, "session", "scratch", plan.session.scratch_bytes);
   const std::size_t page = profile.wiring.store.page_bytes != 0 ? profile.wiring.store.page_bytes : 4096;
   add(plan, {}, "store", store::plan_store_bytes(std::min(page, kStorePage)));
-  if (replay_bytes > board.replay_bytes && fits.ok())
-    fits = refuse(make_reason("recordings of %zu bytes, this board has room for %zu: fewer or smaller shots",
-                              replay_bytes, board.replay_bytes),
-                  why);
   if (plan.total_bytes() > board.limit_bytes && fits.ok())
-    fits = refuse(make_reason("%zu bytes in all, this board has %zu: fewer sweeps, or another board",
+    fits = refuse(make_reason("%zu bytes in all, this board has %zu: fewer sweeps or recordings, or another board",
                               plan.total_bytes(), board.limit_bytes),
                   why);
   return fits;

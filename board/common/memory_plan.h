@@ -9,6 +9,7 @@
 #include "runtime/base/fixed_vector.h"
 #include "runtime/calib/memory_plan.h"
 #include "runtime/lidar/sweep_builder.h"
+#include "runtime/lidar/turntable.h"
 #include "runtime/map/room_map.h"
 #include "runtime/profile/profile.h"
 
@@ -35,7 +36,8 @@ Status plan_board(const Capacities& board, const profile::Profile& profile, cons
                   const map::RoomMap& map, std::size_t map_bytes, const drivers::ReplayCursor& replay, BoardPlan& plan,
                   Reason& why);
 
-/// Points that one sweep of a LiDAR may have on this board.
+/// Points that one sweep of a LiDAR may have on this board; of a profiler on a turntable, one profile.
 lidar::SweepOptions sweep_options(const Capacities& board, const profile::LidarProfile& lidar);
+lidar::TurntableOptions turntable_options(const Capacities& board, const profile::LidarProfile& lidar);
 
 }  // namespace roomcal::board

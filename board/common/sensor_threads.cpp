@@ -76,10 +76,12 @@ void CameraThread::tell(int64_t now_ns) {
   told_.set(vitals_);
 }
 
-void LidarThread::add(const face::LidarVitals& facts, PacketDriver& driver, grab::SweepTray& tray) {
+void LidarThread::add(const face::LidarVitals& facts, PacketDriver& driver, ports::PacketVisitor& packets,
+                      const lidar::SweepCounters& counters) {
   Feed& feed = feeds_[count_++];
   feed.driver = &driver;
-  feed.tray = &tray;
+  feed.packets = &packets;
+  feed.counters = &counters;
   feed.vitals = facts;
   feed.told.set(facts);
 }
@@ -105,10 +107,10 @@ void LidarThread::run() {
 }
 
 void LidarThread::drain(Feed& feed, int64_t now_ns) {
-  const std::size_t taken = feed.driver->source().drain(*feed.tray);
+  const std::size_t taken = feed.driver->source().drain(*feed.packets);
   if (taken > 0) feed.vitals.last_packet_ns = now_ns;
   feed.vitals.packets = feed.driver->source().counters();
-  feed.vitals.sweeps = feed.tray->counters();
+  feed.vitals.sweeps = *feed.counters;
   feed.vitals.sweep_rate_hz = feed.rate.update(feed.vitals.sweeps.sweeps, now_ns);
   feed.told.set(feed.vitals);
 }

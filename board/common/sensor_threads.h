@@ -12,7 +12,6 @@
 #include "runtime/face/vitals.h"
 #include "runtime/grab/clock_map.h"
 #include "runtime/grab/image_ring.h"
-#include "runtime/grab/sweep_tray.h"
 #include "runtime/ports/system_clocks.h"
 
 namespace roomcal::board {
@@ -75,7 +74,9 @@ class LidarThread final : public drivers::Thread::Body {
 
   void prepare(const ports::SystemClocks& clocks) { clocks_ = &clocks; }
   /// Before the thread starts.
-  void add(const face::LidarVitals& facts, PacketDriver& driver, grab::SweepTray& tray);
+  /// @param packets  where packets go. @param counters  of what they become.
+  void add(const face::LidarVitals& facts, PacketDriver& driver, ports::PacketVisitor& packets,
+           const lidar::SweepCounters& counters);
   void run() override;
 
   /// Supervisor only.
@@ -86,7 +87,8 @@ class LidarThread final : public drivers::Thread::Body {
  private:
   struct Feed {
     PacketDriver* driver = nullptr;
-    grab::SweepTray* tray = nullptr;
+    ports::PacketVisitor* packets = nullptr;
+    const lidar::SweepCounters* counters = nullptr;
     face::LidarVitals vitals;
     RateMeter rate;
     Latest<face::LidarVitals> told;

@@ -36,7 +36,8 @@ void catch_signals() {
 Supervisor::Supervisor(const Options& options)
     : options_(options),
       log_(clocks_, options.console != "-"),
-      can_(can_kernel_, clocks_, log_),
+      bus_(can_kernel_, clocks_),
+      can_(bus_, clocks_, log_),
       machine_({.board = options.board, .folder = {options.folder}, .starve_bytes = options.starve_bytes}, clocks_,
                log_, can_),
       panel_(files_, clocks_, log_),
@@ -77,10 +78,15 @@ void Supervisor::open_face() {
                                : std::string();
   panel_.open_console(path, profile != nullptr ? profile->wiring.console.baud : 115'200);
   if (profile != nullptr) panel_.open(profile->wiring, folder);
-  if (profile != nullptr && !profile->wiring.can.interface.empty() && !safe_mode_) {
-    const Status started = can_.start(profile->wiring.can, static_cast<uint32_t>(clocks_.read(ClockId::kRealtime).ns));
-    if (!started.ok()) log_.note("can", started.detail());
-  }
+  if (profile != nullptr && !safe_mode_) open_can(profile->wiring);
+}
+
+void Supervisor::open_can(const profile::Wiring& wiring) {
+  if (wiring.can.interface.empty()) return;
+  Status opened = can_.start(wiring, static_cast<uint32_t>(clocks_.read(ClockId::kRealtime).ns));
+  can_interface_ = wiring.can.interface.view();
+  if (opened.ok()) opened = bus_.start({can_interface_.c_str(), can_.ids()});  // goes on looking for it
+  if (!opened.ok()) log_.note("can", opened.detail());
 }
 
 void Supervisor::make_answers() {

@@ -10,7 +10,7 @@
 #include "board/common/options.h"
 #include "board/common/panel.h"
 #include "board/common/start_counter.h"
-#include "drivers/os/page_faults.h"
+#include "drivers/can/socketcan.h"
 #include "runtime/console/console.h"
 #include "runtime/face/answers.h"
 #include "runtime/face/button_grammar.h"
@@ -46,6 +46,7 @@ class Supervisor final : public face::Desk {
 
  private:
   void open_face();
+  void open_can(const profile::Wiring& wiring);
   void make_answers();
   void round(int64_t now_ns);
   void wait(int64_t deadline_ns);
@@ -70,7 +71,9 @@ class Supervisor final : public face::Desk {
   EventLog log_;
   drivers::LinuxFileKernel files_;
   drivers::LinuxCanKernel can_kernel_;
+  drivers::SocketCan bus_;
   CanSide can_;
+  std::string can_interface_;  ///< the bus keeps a pointer
   Machine machine_;
   Panel panel_;
   StartCounter starts_;

@@ -121,6 +121,7 @@ void Supervisor::examine(face::Vitals& vitals) {
   vitals.has_can = can_.started();
   vitals.can = can_.bus().state();
   vitals.can_counters = can_.bus().counters();
+  vitals.servo_trouble = can_.servo_trouble();
   vitals.has_stillness = can_.has_standstill();
   vitals.stillness = can_.still_now();
 }

@@ -13,7 +13,6 @@ inline constexpr Capacities kSim = {
     .lidars = 1,
     .sweep_points = 30'000,
     .sweeps = 3,
-    .replay_bytes = 10 * 1024 * 1024,
     .limit_bytes = 24 * 1024 * 1024,
 };
 

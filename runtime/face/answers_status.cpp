@@ -107,6 +107,7 @@ Status Answers::health(Reply& reply) {
   for (const LidarVitals& lidar : vitals_.lidars) tell(complaint(lidar, vitals_.now_ns));
   if (vitals_.has_can && vitals_.can != ports::CanState::kActive)
     tell(make_reason("can: %s: check wiring, bit rate and the other stations", to_string(vitals_.can)));
+  tell(vitals_.servo_trouble);
   if (vitals_.has_stillness && !vitals_.stillness.still) tell(vitals_.stillness.why);
   if (!vitals_.locked && vitals_.locked_bytes > 0)
     tell("memory: it is not locked: raise LimitMEMLOCK in the service's unit");

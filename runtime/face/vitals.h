@@ -70,6 +70,7 @@ struct Vitals {
   bool has_can = false;
   ports::CanState can = ports::CanState::kDown;
   ports::CanCounters can_counters;
+  Reason servo_trouble;        ///< empty where there is none, or no servo
   ports::Stillness stillness;  ///< as the sensors of motion see it; still where there are none
   bool has_stillness = false;
   int64_t now_ns = 0;      ///< monotonic
