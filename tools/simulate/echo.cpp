@@ -45,7 +45,8 @@ double EchoCaster::reflectivity_percent(const Plane& plane, const Pulse& pulse, 
   rays.J_px.col(0) = pulse.divergence_rad * side;
   rays.J_px.col(1) = pulse.divergence_rad * pulse.direction_room.cross(side);
   const Vec2 q = plane.coordinates(pulse.origin_room + distance_m * pulse.direction_room);
-  return 100 * PaintPatch(*skins_[skin], q, footprint_on(plane, rays, distance_m)).at(q, 1).albedo;
+  return 100 *
+         PaintPatch(*skins_[skin], q, footprint_on(plane, plane.surface_normal(q), rays, distance_m)).at(q, 1).albedo;
 }
 
 Echo EchoCaster::echo(const Pulse& pulse, const RangeFlaws& flaws, Random& random) const {

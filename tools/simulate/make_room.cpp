@@ -1,70 +1,50 @@
 #include "tools/simulate/make_room.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include "tools/common/error.h"
 #include "tools/common/random.h"
+#include "tools/simulate/furniture.h"
+#include "tools/simulate/paster.h"
 #include "tools/simulate/planar.h"
+#include "tools/simulate/random_stream.h"
+#include "tools/simulate/room_walls.h"
 
 namespace roomcal::tools {
 
 namespace {
 
-constexpr double kLean_rad = deg_to_rad(0.25);  // sigma of a wall's lean
-constexpr double kGap_m = 0.004;                // between sheets
-constexpr double kBorder_m = 0.015;             // from a sheet to the end of its wall
-constexpr int kTriesPerSheet = 20000;
-constexpr double kWallAlbedo = 0.42, kFloorAlbedo = 0.28, kCeilingAlbedo = 0.6, kPillarAlbedo = 0.45;
+constexpr double kPillarAlbedo = 0.45;
+constexpr double kPanelBelowCeiling_m = 0.005;
 
-void build_walls(const RoomOptions& options, Random& random, Scene& scene) {
+void build_pillar(const RoomOptions& options, Random& random, Scene& scene) {
   const Vec3& size = options.size;
-  const auto leaning = [&](const Vec3& normal) {
-    return Vec3(normal + kLean_rad * Vec3(random.normal(), random.normal(), random.normal()));
-  };
-  const Vec3 far = size;
-  scene.walls = {make_plane("floor", Vec3::Zero(), Vec3::UnitZ(), kFloorAlbedo),
-                 make_plane("wall_x0", Vec3::Zero(), leaning(Vec3::UnitX()), kWallAlbedo),
-                 make_plane("wall_y0", Vec3::Zero(), leaning(Vec3::UnitY()), kWallAlbedo),
-                 make_plane("wall_x1", Vec3(far.x(), far.y(), 0), leaning(-Vec3::UnitX()), kWallAlbedo),
-                 make_plane("wall_y1", Vec3(far.x(), far.y(), 0), leaning(-Vec3::UnitY()), kWallAlbedo),
-                 make_plane("ceiling", far, -Vec3::UnitZ(), kCeilingAlbedo)};
-  scene.walls.front().tile_m = 0.6;
-  for (Plane& wall : scene.walls) {  // coordinates start at the lower left corner
-    Vec2 low = Vec2::Constant(1e9), high = Vec2::Constant(-1e9);
-    for (const Vec3& corner : polygon_of(scene, wall)) {
-      low = low.cwiseMin(wall.coordinates(corner));
-      high = high.cwiseMax(wall.coordinates(corner));
-    }
-    wall.origin = wall.point(low);
-    wall.size = high - low;
-  }
+  const Vec3 half(random.uniform(0.15, 0.2), random.uniform(0.15, 0.2), size.z());
+  const Vec3 centre(size.x() - half.x() + 0.02, size.y() * random.uniform(0.35, 0.65), size.z() / 2);
+  scene.bodies.push_back(make_box("pillar", centre, half, deg_to_rad(random.uniform(-2, 2)), kPillarAlbedo));
 }
 
-void build_bodies(const RoomOptions& options, Random& random, Scene& scene) {
-  const Vec3& size = options.size;
-  if (options.pillar) {
-    const Vec3 half(random.uniform(0.15, 0.2), random.uniform(0.15, 0.2), size.z());
-    const Vec3 centre(size.x() - half.x() + 0.02, size.y() * random.uniform(0.35, 0.65), size.z() / 2);
-    scene.bodies.push_back(make_box("pillar", centre, half, deg_to_rad(random.uniform(-2, 2)), kPillarAlbedo));
-  }
+void build_boxes(const RoomOptions& options, Random& random, Scene& scene) {
   for (int i = 0; i < options.boxes; ++i) {
     const Vec3 half(random.uniform(0.03, 0.12), random.uniform(0.03, 0.12), random.uniform(0.2, 0.6));
-    const Vec3 centre(size.x() * random.uniform(0.15, 0.85), size.y() * random.uniform(0.15, 0.85), half.z());
+    Vec3 centre(options.size.x() * random.uniform(0.15, 0.85), options.size.y() * random.uniform(0.15, 0.85), half.z());
+    if (scene.bounded()) centre = draw_free_place(scene, half.z(), 0.13, random);
     scene.bodies.push_back(
         make_box(fmt::format("box{}", i), centre, half, random.uniform(0, kPi), random.uniform(0.1, 0.7)));
   }
 }
 
-void build_lamps(const RoomOptions& options, Random& random, Scene& scene) {
-  const Vec3& size = options.size;
+void hang_lamps(Random& random, Scene& scene) {
+  const Vec3& size = scene.size;
   for (const double depth : {0.28, 0.74}) {
     Lamp panel;
     panel.half_size = Vec2(0.15, 0.45);
-    panel.centre =
-        Vec3(size.x() * random.uniform(0.3, 0.7), size.y() * (depth + random.uniform(-0.05, 0.05)), size.z() - 0.005);
+    panel.centre = Vec3(size.x() * random.uniform(0.3, 0.7), size.y() * (depth + random.uniform(-0.05, 0.05)),
+                        size.z() - kPanelBelowCeiling_m);
     panel.intensity = random.uniform(0.8, 1.6);
     scene.lamps.push_back(panel);
   }
@@ -74,60 +54,26 @@ void build_lamps(const RoomOptions& options, Random& random, Scene& scene) {
                      size.z() * random.uniform(0.6, 0.8));
   bulb.intensity = random.uniform(0.08, 0.16);
   scene.lamps.push_back(bulb);
-  scene.ambient = 0.06;
 }
 
-/// Puts pieces of paper where there is room for them.
-class Paster {
- public:
-  Paster(Scene& scene, Random& random) : scene_(scene), random_(random) {}
-
-  /// @return false if there is no place left.
-  bool paste(Decal decal) {
-    for (int attempt = 0; attempt < kTriesPerSheet; ++attempt) {
-      Plane& wall = random_wall();
-      decal.angle_rad = random_.uniform(-kPi, kPi);
-      decal.centre = Vec2(random_.uniform(0, wall.size.x()), random_.uniform(0, wall.size.y()));
-      if (!fits(wall, decal)) continue;
-      wall.decals.push_back(decal);
-      return true;
-    }
-    return false;
+/// A panel for every six square metres of the box around the room, and a bulb near something.
+void hang_lamps_freely(Random& random, Scene& scene) {
+  constexpr double kAreaPerPanel_m2 = 6, kBelowCeiling_m = 0.2;
+  const int panels = std::clamp(static_cast<int>(scene.size.x() * scene.size.y() / kAreaPerPanel_m2), 2, 8);
+  for (int i = 0; i < panels; ++i) {
+    Lamp panel;
+    panel.half_size = Vec2(0.15, 0.45);
+    panel.centre = draw_free_place(scene, scene.size.z() - kBelowCeiling_m, kBelowCeiling_m / 2, random);
+    panel.centre.z() = scene.low.z() + scene.size.z() - kPanelBelowCeiling_m;
+    panel.intensity = random.uniform(0.8, 1.6);
+    scene.lamps.push_back(panel);
   }
-
- private:
-  /// Floor and walls by their area.
-  Plane& random_wall() {
-    const std::size_t count = scene_.walls.size() - 1;
-    double total = 0;
-    for (std::size_t i = 0; i < count; ++i) total += scene_.walls[i].size.prod();
-    double pick = random_.uniform(0, total);
-    for (std::size_t i = 0; i < count; ++i) {
-      pick -= scene_.walls[i].size.prod();
-      if (pick < 0) return scene_.walls[i];
-    }
-    return scene_.walls.front();
-  }
-
-  bool fits(const Plane& wall, const Decal& decal) const {
-    const double c = std::abs(std::cos(decal.angle_rad)), s = std::abs(std::sin(decal.angle_rad));
-    const Vec2 reach(c * decal.half_size.x() + s * decal.half_size.y(),
-                     s * decal.half_size.x() + c * decal.half_size.y());
-    const Vec2 border = Vec2::Constant(kBorder_m);
-    if ((decal.centre - reach - border).minCoeff() < 0) return false;
-    if ((wall.size - decal.centre - reach - border).minCoeff() < 0) return false;
-    for (const Body& body : scene_.bodies) {
-      if (clearance(body, wall.point(decal.centre)) < decal.half_size.norm()) return false;
-    }
-    for (const Decal& other : wall.decals) {
-      if (overlap(decal, other, kGap_m)) return false;
-    }
-    return true;
-  }
-
-  Scene& scene_;
-  Random& random_;
-};
+  Lamp bulb;
+  bulb.all_around = true;
+  bulb.centre = draw_free_place(scene, 0.7 * scene.size.z(), 0.25, random);
+  bulb.intensity = random.uniform(0.08, 0.16);
+  scene.lamps.push_back(bulb);
+}
 
 void paste_markers(const RoomOptions& options, Paster& paster) {
   Decal sheet;
@@ -137,9 +83,8 @@ void paste_markers(const RoomOptions& options, Paster& paster) {
   for (int id = 0; id < options.markers; ++id) {
     sheet.marker_id = id;
     if (paster.paste(sheet)) continue;
-    throw ToolError(
-        fmt::format("--markers {}: only {} sheets fit into a room of {} x {} x {} m; take fewer or a larger --size",
-                    options.markers, id, options.size.x(), options.size.y(), options.size.z()));
+    throw ToolError(fmt::format("--markers {}: only {} sheets fit onto the walls; take fewer or a larger room",
+                                options.markers, id));
   }
 }
 
@@ -153,22 +98,40 @@ void paste_distractors(const RoomOptions& options, Random& random, Paster& paste
   }
 }
 
+void check(const RoomOptions& options) {
+  if (!options.walls.empty()) {
+    if (options.pillar) throw ToolError("--pillar: draw it into --walls, as four walls around it");
+  } else if (!(options.size.minCoeff() >= 1 && options.size.maxCoeff() <= 50)) {
+    throw ToolError("--size: width, depth and height must be 1 to 50 m, as in 3x4x2.7");
+  }
+}
+
 }  // namespace
 
 Scene make_room(const RoomOptions& options) {
-  if (!(options.size.minCoeff() >= 1 && options.size.maxCoeff() <= 50)) {
-    throw ToolError("--size: width, depth and height must be 1 to 50 m, as in 3x4x2.7");
-  }
+  check(options);
   Scene scene;
   scene.seed = options.seed;
-  scene.size = options.size;
+  scene.ambient = 0.06;
   Random random(options.seed);
-  build_walls(options, random, scene);
-  build_bodies(options, random, scene);
-  build_lamps(options, random, scene);
-  Paster paster(scene, random);
+  std::vector<KeepOut> keep_out;
+  if (options.walls.empty()) {
+    build_box(options.size, random, scene);
+    if (options.pillar) build_pillar(options, random, scene);
+    build_boxes(options, random, scene);
+    hang_lamps(random, scene);
+  } else {
+    build_drawn_walls(options.walls, scene);
+    build_boxes(options, random, scene);
+    hang_lamps_freely(random, scene);
+    for (const Wall& wall : options.walls) keep_out.push_back(wall.keep_out_m);
+  }
+  Paster paster(scene, random, std::move(keep_out));
   paste_markers(options, paster);
   paste_distractors(options, random, paster);
+  Random later = random_stream(options.seed, 1);  // what came later may not change older rooms
+  add_waves(options.waviness_m, later, scene);
+  add_furniture(options.furniture, later, scene);
   return scene;
 }
 

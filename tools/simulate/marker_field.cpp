@@ -118,7 +118,8 @@ void MarkerField::sample(int x, int y, PixelSamples& samples) const {
   const double speed = sheet.plane.normal.dot(rays.direction);
   const bool meets = speed < -1e-3 && !options_.empty;
   Mat22 footprint;  // one for all parts: it changes by a part in a thousand across a pixel
-  if (meets) footprint = footprint_on(sheet.plane, rays, sheet.plane.normal.dot(sheet.plane.origin) / speed);
+  if (meets)
+    footprint = footprint_on(sheet.plane, sheet.plane.normal, rays, sheet.plane.normal.dot(sheet.plane.origin) / speed);
   const Mat22* on_sheet = meets ? &footprint : nullptr;
 
   const Paint whole = paint_at(sheet, rays.direction, on_sheet, 1);

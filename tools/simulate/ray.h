@@ -19,17 +19,35 @@ struct Hit {
   double distance = 0;         ///< in lengths of the direction
 };
 
-/// Nearest surface along origin + distance * direction, from inside the room.
+/// Nearest surface along origin + distance * direction, from inside the room. No plane where the room is open.
 /// Cost: a division per plane.
 Hit cast_ray(const Scene& scene, const Vec3& origin, const Vec3& direction);
+
+/// The same as if nothing had waves: for what is seen where, not for how far it is.
+Hit cast_flat(const Scene& scene, const Vec3& origin, const Vec3& direction);
 
 /// The face by which a ray enters the body, or null.
 Hit cast_at_body(const Body& body, const Vec3& origin, const Vec3& direction);
 
-/// Whether a body stands between two points.
+/// Distance, in lengths of the direction, at which a ray meets a plane's surface from its front; infinite if never.
+double distance_to(const Plane& plane, const Vec3& origin, const Vec3& direction);
+
+/// Whether a body, or a wall of a room that is not convex, stands between two points.
 bool is_hidden(const Scene& scene, const Vec3& from, const Vec3& to);
 
+/// The flat piece of surface around a hit.
+struct Tangent {
+  Vec3 point_room = Vec3::Zero();
+  Vec3 normal_room = Vec3::UnitZ();
+
+  double distance(const Vec3& origin, const Vec3& direction) const {
+    return -normal_room.dot(origin - point_room) / normal_room.dot(direction);
+  }
+};
+Tangent tangent_at(const Plane& plane, const Vec2& q);
+
 /// Derivative of the hit's plane coordinates by pixel (2x2, m per px).
-Mat22 footprint_on(const Plane& plane, const PixelRays& rays, double distance);
+/// @param normal_room  of the surface there
+Mat22 footprint_on(const Plane& plane, const Vec3& normal_room, const PixelRays& rays, double distance);
 
 }  // namespace roomcal::tools

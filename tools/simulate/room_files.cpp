@@ -7,6 +7,7 @@
 #include "tools/common/files.h"
 #include "tools/simulate/json_geometry.h"
 #include "tools/simulate/planar.h"
+#include "tools/simulate/room_walls.h"
 
 namespace roomcal::tools {
 
@@ -14,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kFormat = "roomcal-simulated-room-1";
+constexpr const char* kFormat = "roomcal-simulated-room-2";
 
 json to_json(const Decal& decal) {
   return {{"print", static_cast<int>(decal.print)}, {"id", decal.marker_id},
@@ -39,6 +40,10 @@ Decal decal_of(const json& node) {
 json to_json(const Plane& plane) {
   json decals = json::array();
   for (const Decal& decal : plane.decals) decals.push_back(to_json(decal));
+  json waves = json::array();
+  for (const Wave& wave : plane.waves)
+    waves.push_back(
+        {{"rad_per_m", json_of(wave.rad_per_m)}, {"phase_rad", wave.phase_rad}, {"amplitude_m", wave.amplitude_m}});
   return {{"name", plane.name},
           {"origin", json_of(plane.origin)},
           {"u", json_of(plane.axis_u)},
@@ -47,6 +52,8 @@ json to_json(const Plane& plane) {
           {"size", json_of(plane.size)},
           {"albedo", plane.albedo},
           {"tile", plane.tile_m},
+          {"bounded", plane.bounded},
+          {"waves", waves},
           {"decals", decals}};
 }
 
@@ -60,6 +67,10 @@ Plane plane_of(const json& node) {
   plane.size = vector_of<2>(node.at("size"));
   plane.albedo = node.at("albedo").get<double>();
   plane.tile_m = node.at("tile").get<double>();
+  plane.bounded = node.at("bounded").get<bool>();
+  for (const json& wave : node.at("waves"))
+    plane.waves.push_back(
+        {vector_of<2>(wave.at("rad_per_m")), wave.at("phase_rad").get<double>(), wave.at("amplitude_m").get<double>()});
   for (const json& decal : node.at("decals")) plane.decals.push_back(decal_of(decal));
   return plane;
 }
@@ -77,9 +88,9 @@ Lamp lamp_of(const json& node) {
 }
 
 json to_json(const Scene& scene) {
-  json node = {{"format", kFormat},        {"seed", scene.seed},     {"size", json_of(scene.size)},
-               {"ambient", scene.ambient}, {"walls", json::array()}, {"bodies", json::array()},
-               {"lamps", json::array()}};
+  json node = {{"format", kFormat},           {"seed", scene.seed},       {"low", json_of(scene.low)},
+               {"size", json_of(scene.size)}, {"ambient", scene.ambient}, {"walls", json::array()},
+               {"bodies", json::array()},     {"lamps", json::array()}};
   for (const Plane& wall : scene.walls) node["walls"].push_back(to_json(wall));
   for (const Body& body : scene.bodies) {
     json faces = json::array();
@@ -94,12 +105,15 @@ Scene scene_of(const json& node) {
   if (node.at("format") != kFormat) throw ToolError(fmt::format("format is not {}", kFormat));
   Scene scene;
   scene.seed = node.at("seed").get<uint64_t>();
+  scene.low = vector_of<3>(node.at("low"));
   scene.size = vector_of<3>(node.at("size"));
   scene.ambient = node.at("ambient").get<double>();
   for (const json& wall : node.at("walls")) scene.walls.push_back(plane_of(wall));
   for (const json& body : node.at("bodies")) {
-    scene.bodies.push_back({body.at("name").get<std::string>(), {}});
-    for (const json& face : body.at("faces")) scene.bodies.back().faces.push_back(plane_of(face));
+    Body& read = scene.bodies.emplace_back();
+    read.name = body.at("name").get<std::string>();
+    for (const json& face : body.at("faces")) read.faces.push_back(plane_of(face));
+    bound(read, corners_of(read));
   }
   for (const json& lamp : node.at("lamps")) scene.lamps.push_back(lamp_of(lamp));
   return scene;
@@ -120,14 +134,17 @@ json planes_json(const Scene& scene) {
   for (const Plane& wall : scene.walls) {
     json polygon = json::array();
     for (const Vec3& corner : polygon_of(scene, wall)) polygon.push_back(json_of(corner));
+    const Waviness waviness = waviness_of(wall);
     planes.push_back({{"name", wall.name},
                       {"normal", json_of(wall.normal)},
                       {"d", -wall.normal.dot(wall.origin)},
-                      {"wave_sigma_m", 0.0},
-                      {"wave_max_m", 0.0},
+                      {"wave_sigma_m", waviness.sigma_m},
+                      {"wave_max_m", waviness.max_m},
                       {"polygon", polygon}});
   }
-  return {{"convention", "room frame, metres; plane: normal . X + d = 0, normal points towards free space"},
+  return {{"convention",
+           "room frame, metres; plane: normal . X + d = 0, normal points towards free space; wave_* = deviation of "
+           "the true surface from this plane"},
           {"planes", planes}};
 }
 

@@ -35,12 +35,13 @@ double LitScene::paper_radiance(const Hit& hit, const Vec2& q) const {
 }
 
 double LitScene::lamp_radiance(const Hit& hit, const Vec2& q) const {
-  if (hit.plane != &scene_.walls.back()) return 0;
+  constexpr double kFacesDown = -0.9, kMounting_m = 0.02;
+  if (hit.body != nullptr || hit.plane->normal.z() > kFacesDown) return 0;
   const Vec3 point_room = hit.plane->point(q);
   for (const Lamp& lamp : scene_.lamps) {
-    const Vec2 offset = (point_room - lamp.centre).head<2>();
-    const bool on_panel = (lamp.half_size - offset.cwiseAbs()).minCoeff() > 0;
-    if (on_panel) return lamp.intensity / (4 * lamp.half_size.prod());
+    const Vec3 offset = point_room - lamp.centre;
+    const bool on_panel = (lamp.half_size - offset.head<2>().cwiseAbs()).minCoeff() > 0;
+    if (on_panel && std::abs(offset.z()) < kMounting_m) return lamp.intensity / (4 * lamp.half_size.prod());
   }
   return 0;
 }
@@ -70,6 +71,13 @@ bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
   const Vec3 point = T_room_cam_.t + hit.distance * rays.direction;
   const double metres_per_px = hit.distance * rays.J_px.norm();
   const double reach = kEdgeReach_px * metres_per_px / std::max(0.02, -hit.plane->normal.dot(rays.direction));
+  if (scene.bounded()) {  // one wall may hide another anywhere
+    const Plane* in_middle = cast_flat(scene, T_room_cam_.t, rays.direction).plane;
+    for (const double dx : {-0.5, 0.5})
+      for (const double dy : {-0.5, 0.5})
+        if (cast_flat(scene, T_room_cam_.t, rays.at(dx, dy)).plane != in_middle) return true;
+    return false;
+  }
   if (hit.body == nullptr) {
     for (const Plane& wall : scene.walls) {
       if (&wall != hit.plane && wall.signed_distance(point) < reach) return true;
@@ -97,8 +105,9 @@ void RoomView::sample(int x, int y, PixelSamples& samples) const {
   const Hit hit = cast_ray(lit_.scene(), T_room_cam_.t, rays.direction);
   if (hit.plane == nullptr) return;
   double edge_px = 0;
-  const Mat22 footprint = footprint_on(*hit.plane, rays, hit.distance);
   const Vec2 middle = place_of(hit, rays.direction);
+  const Tangent tangent = tangent_at(*hit.plane, middle);
+  const Mat22 footprint = footprint_on(*hit.plane, tangent.normal_room, rays, hit.distance);
   const LitPatch patch(lit_, hit, middle, footprint);
   const double value = patch.radiance(middle, 1, edge_px);
   const bool outline = has_outline(hit, rays);
@@ -112,10 +121,11 @@ void RoomView::sample(int x, int y, PixelSamples& samples) const {
     Hit part = hit;
     if (outline) {
       part = cast_ray(lit_.scene(), T_room_cam_.t, ray);
+      if (part.plane == nullptr) continue;  // past the end of an open room
       const Vec2 place = place_of(part, ray);
       samples[i] = static_cast<float>(LitPatch(lit_, part, place, footprint).radiance(place, 1.0 / kSub, edge_px));
     } else {
-      part.distance = -hit.plane->signed_distance(T_room_cam_.t) / hit.plane->normal.dot(ray);
+      part.distance = tangent.distance(T_room_cam_.t, ray);
       samples[i] = static_cast<float>(patch.radiance(place_of(part, ray), 1.0 / kSub, edge_px));
     }
   }

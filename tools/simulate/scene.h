@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,13 @@ struct Decal {
   RingRadii ring_radii = kBestRings;  ///< of kRings only
 };
 
+/// One ripple of a surface that is not flat.
+struct Wave {
+  Vec2 rad_per_m = Vec2::Zero();  ///< along the plane's axes
+  double phase_rad = 0;
+  double amplitude_m = 0;
+};
+
 /// A wall, the floor, the ceiling, or a face of a body. Point = origin + q.x axis_u + q.y axis_v, normal = u x v,
 /// which points into free space.
 struct Plane {
@@ -40,20 +48,35 @@ struct Plane {
   Vec3 normal = Vec3::UnitZ();
   Vec2 size = Vec2::Zero();  ///< extent of the plane's own coordinates that matters, m
   double albedo = 0.5;
-  double tile_m = 0;  ///< spacing of dark joints; 0 for none
-  std::vector<Decal> decals;
+  double tile_m = 0;     ///< spacing of dark joints; 0 for none
+  bool bounded = false;  ///< ends at `size`; else where it meets its neighbours
+  std::vector<Decal> decals = {};
+  std::vector<Wave> waves = {};  ///< the surface is so far before the plane; they fade towards the plane's ends
 
   Vec3 point(const Vec2& q) const { return origin + q.x() * axis_u + q.y() * axis_v; }
   Vec2 coordinates(const Vec3& point_room) const {
     return {(point_room - origin).dot(axis_u), (point_room - origin).dot(axis_v)};
   }
   double signed_distance(const Vec3& point_room) const { return normal.dot(point_room - origin); }
+  bool covers(const Vec2& q) const {
+    constexpr double kSeam_m = 1e-9;  // neighbours share their edges
+    return q.minCoeff() >= -kSeam_m && (size - q).minCoeff() >= -kSeam_m;
+  }
+
+  /// Of the surface before the plane, metres; 0 where it is flat. Its derivative by q.
+  double height(const Vec2& q) const;
+  Vec2 slope(const Vec2& q) const;
+  Vec3 surface_point(const Vec2& q) const { return point(q) + height(q) * normal; }
+  Vec3 surface_normal(const Vec2& q) const;
 };
 
 /// A convex thing in the room (pillar, box): the points on or behind all its planes. It hides and throws shadows.
 struct Body {
   std::string name;
   std::vector<Plane> faces;
+  /// A ball around it, to pass it by quickly; see planar.h's bound().
+  Vec3 centre = Vec3::Zero();
+  double reach_m = std::numeric_limits<double>::infinity();
 };
 
 /// A rectangular lamp, facing down; zero extent makes it a point with hard shadows.
@@ -67,11 +90,16 @@ struct Lamp {
 /// Everything that is needed to render. Room frame: origin in a floor corner, x width, y depth, z up, metres.
 struct Scene {
   uint64_t seed = 0;
+  Vec3 low = Vec3::Zero();  ///< corner of the box around the room
   Vec3 size = Vec3::Zero();
-  std::vector<Plane> walls;  ///< the convex room: free space is in front of all of them; floor first, ceiling last
+  /// Either all unbounded: a convex room, free space is in front of all of them, floor first, ceiling last. Or all
+  /// bounded: any planar layout; seen and hiding from their front only, so a partition has two.
+  std::vector<Plane> walls;
   std::vector<Body> bodies;
   std::vector<Lamp> lamps;
   double ambient = 0;  ///< irradiance from everywhere: what the walls throw back
+
+  bool bounded() const { return !walls.empty() && walls.front().bounded; }
 };
 
 /// One ring marker of a scene, as the map knows it.

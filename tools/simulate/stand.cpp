@@ -7,8 +7,8 @@
 
 #include "tools/common/error.h"
 #include "tools/simulate/lidar_unit.h"
-#include "tools/simulate/planar.h"
 #include "tools/simulate/random_stream.h"
+#include "tools/simulate/stand_place.h"
 
 namespace roomcal::tools {
 
@@ -30,43 +30,6 @@ camera::Camera draw_lens(const camera::Intrinsics& nominal, Random& random) {
   auto made = camera::Camera::create(lens);
   require(made.status(), "simulated lens");
   return made.value();
-}
-
-/// Camera axes x right, y down, z forward, looking along `yaw` with the horizon level, then pitched and rolled.
-Mat33 upright(double yaw_rad, double pitch_rad, double roll_rad) {
-  Mat33 R_room_level;
-  R_room_level.col(2) = Vec3(std::cos(yaw_rad), std::sin(yaw_rad), 0);
-  R_room_level.col(1) = -Vec3::UnitZ();
-  R_room_level.col(0) = R_room_level.col(1).cross(R_room_level.col(2));
-  return R_room_level * so3_exp(pitch_rad * Vec3::UnitX()) * so3_exp(roll_rad * Vec3::UnitZ());
-}
-
-bool stands_free(const Scene& scene, const Vec3& place) {
-  constexpr double kBodyOfDevice_m = 0.35;
-  for (const Body& body : scene.bodies) {
-    if (clearance(body, place) < kBodyOfDevice_m) return false;
-  }
-  return true;
-}
-
-/// In the middle part of the room; a narrow camera near one of its ends, looking across.
-SE3 draw_place(const Scene& scene, const PaperDevice& device, Random& random) {
-  constexpr int kTries = 1000;
-  for (int attempt = 0; attempt < kTries; ++attempt) {
-    const Vec2 share = device.looks_across ? Vec2(random.uniform(0.12, 0.3), random.uniform(0.12, 0.3))
-                                           : Vec2(random.uniform(0.35, 0.65), random.uniform(0.35, 0.65));
-    Vec2 corner(random.uniform() < 0.5 ? 1 : 0, random.uniform() < 0.5 ? 1 : 0);
-    if (!device.looks_across) corner.setZero();
-    const Vec2 at = (corner - share).cwiseAbs().cwiseProduct(scene.size.head<2>());
-    const Vec3 place(at.x(), at.y(), device.height_m + random.uniform(-0.1, 0.1));
-    const Vec2 to_middle = scene.size.head<2>() / 2 - at;
-    const double yaw = device.looks_across ? std::atan2(to_middle.y(), to_middle.x()) + random.uniform(-0.2, 0.2)
-                                           : random.uniform(-kPi, kPi);
-    const double pitch = deg_to_rad(device.pitch_deg + random.uniform(-3, 3));
-    const double roll = deg_to_rad(random.uniform(-3, 3));
-    if (stands_free(scene, place)) return {upright(yaw, pitch, roll), place};
-  }
-  throw ToolError("simulate shot: no free place for the device; make the room larger or emptier");
 }
 
 TrueLidar draw_lidar(const DeviceLidar& lidar, const LidarOptions& options, Random& random) {

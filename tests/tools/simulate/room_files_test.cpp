@@ -10,6 +10,7 @@
 #include "tools/common/error.h"
 #include "tools/common/files.h"
 #include "tools/simulate/make_room.h"
+#include "tools/simulate/room_walls.h"
 
 namespace roomcal::tools {
 namespace {
@@ -31,6 +32,29 @@ TEST_F(RoomFiles, WrittenAndRead_IsTheSameRoom) {
   EXPECT_EQ(again.bodies.size(), 2u);
   EXPECT_EQ(again.lamps.size(), scene.lamps.size());
   EXPECT_EQ(again.walls.front().tile_m, scene.walls.front().tile_m);
+}
+
+TEST_F(RoomFiles, DrawnWallsWavesAndFurniture_ComeBack) {
+  RoomOptions options{.seed = 3, .markers = 40};
+  options.waviness_m = 0.002;
+  options.furniture = 4;
+  options.walls = box_walls("3x4x2.5", true);
+  for (Wall& wall : options.walls) wall.corner_room += Vec3(-1, 2, 0.5);
+  const Scene scene = make_room(options);
+  write_room(scene, folder_);
+  const Scene again = read_room(folder_);
+  EXPECT_TRUE(again.bounded());
+  EXPECT_EQ(again.low, scene.low);
+  EXPECT_EQ(again.size, scene.size);
+  ASSERT_EQ(again.walls.size(), scene.walls.size());
+  for (std::size_t i = 0; i < scene.walls.size(); ++i)
+    EXPECT_EQ(again.walls[i].height({0.7, 0.9}), scene.walls[i].height({0.7, 0.9}));
+  ASSERT_EQ(again.bodies.size(), scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    EXPECT_NEAR(again.bodies[i].reach_m, scene.bodies[i].reach_m, 1e-9);
+  const auto planes = nlohmann::json::parse(read_text(folder_ / "planes.json")).at("planes");
+  EXPECT_NEAR(planes[1].at("wave_sigma_m").get<double>(), waviness_of(scene.walls[1]).sigma_m, 1e-12);
+  EXPECT_GT(planes[1].at("wave_sigma_m").get<double>(), 0.0005);
 }
 
 TEST_F(RoomFiles, Csv_HasOneLinePerMarker) {
