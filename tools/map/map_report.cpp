@@ -5,9 +5,10 @@
 #include <set>
 
 #include "tools/common/error.h"
+#include "tools/map/assets.h"
 #include "tools/map/map_builder.h"
 #include "tools/map/map_info.h"
-#include "tools/report/page.h"
+#include "tools/page/page.h"
 
 namespace roomcal::tools {
 
@@ -120,7 +121,7 @@ std::string map_report(const map::RoomMap& map, const Json& description, const M
                      {"looks", looks_of(quality.coverage)},
                      {"advice", quality.advice},
                      {"bake", bake_of(bake)}};
-  return make_page(PageKind::kMap, "Room map " + description.at("id").get<std::string>(), content);
+  return make_page("Room map " + description.at("id").get<std::string>(), {map_assets::map_report_js}, content);
 }
 
 }  // namespace roomcal::tools

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page of `roomcal map info --report` in a real browser: it draws, turns, zooms, sorts, and says nothing wrong.
 
-usage: report_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]
+usage: map_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]
 """
 
 import json
@@ -45,7 +45,7 @@ def bake_json():
             "error_mm": {"expected_rms": 1.0, "held_out_rms": 1.2}, "reprojection": {"median_px": [0.1, 0.12]}}
 
 
-class ReportPage(unittest.TestCase):
+class MapPage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
@@ -196,6 +196,18 @@ class ReportPage(unittest.TestCase):
         self.browser.settle()
         self.keep("dark.png")
         self.assertNotEqual(self.browser.run("getComputedStyle(document.documentElement).backgroundColor"), background)
+
+    def test_the_button_changes_the_theme_and_the_canvas(self):
+        self.open()
+        background = "getComputedStyle(document.documentElement).backgroundColor"
+        light, picture = self.browser.run(background), self.picture()
+        self.browser.run("document.querySelector('.theme').click()")
+        self.browser.settle()
+        self.assertNotEqual(self.browser.run(background), light)
+        self.assertNotEqual(self.picture(), picture)
+        self.assertEqual(self.browser.run("document.querySelector('.theme').textContent"), "Light")
+        self.browser.run("document.querySelector('.theme').click()")
+        self.assertEqual(self.browser.run(background), light)
 
     def test_bake_json_of_another_map_is_refused(self):
         other = self.folder / "other.json"

@@ -1,6 +1,6 @@
-# Called by the build: turns files into a header of string views, so that pages are edited as pages.
-#   cmake -DOUT=assets.h -DFILES="a.css;b.js" -P embed.cmake
-set(text "#pragma once\n\n#include <string_view>\n\nnamespace roomcal::tools::assets {\n\n")
+# Called by the build: turns files into a header of string views in the namespace <folder>_assets.
+#   cmake -DOUT=assets.h -DFOLDER=page -DFILES="a.css;b.js" -P embed.cmake
+set(text "#pragma once\n\n#include <string_view>\n\nnamespace roomcal::tools::${FOLDER}_assets {\n\n")
 foreach(file ${FILES})
   get_filename_component(name ${file} NAME)
   string(REPLACE "." "_" name ${name})
@@ -9,4 +9,4 @@ foreach(file ${FILES})
   string(APPEND text "inline constexpr char ${name}_bytes[] = {${bytes}};\n"
          "inline constexpr std::string_view ${name}(${name}_bytes, sizeof ${name}_bytes);\n\n")
 endforeach()
-file(WRITE ${OUT} "${text}}  // namespace roomcal::tools::assets\n")
+file(WRITE ${OUT} "${text}}  // namespace roomcal::tools::${FOLDER}_assets\n")

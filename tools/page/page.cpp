@@ -1,10 +1,8 @@
-#include "tools/report/page.h"
+#include "tools/page/page.h"
 
-#include <initializer_list>
-#include <string_view>
 #include <utility>
 
-#include "tools/report/assets.h"
+#include "tools/page/assets.h"
 
 namespace roomcal::tools {
 
@@ -29,29 +27,23 @@ std::string embedded(const nlohmann::ordered_json& data) {
   return text;
 }
 
-std::string_view script_of(PageKind kind) {
-  switch (kind) {
-    case PageKind::kMap:
-      return assets::map_report_js;
-  }
-  return {};
-}
-
 }  // namespace
 
-std::string make_page(PageKind kind, const std::string& title, const nlohmann::ordered_json& data) {
+std::string make_page(const std::string& title, std::initializer_list<std::string_view> scripts,
+                      const nlohmann::ordered_json& data) {
   std::string script;
-  for (const std::string_view part : {assets::camera_js, assets::scene_js, assets::parts_js, script_of(kind)}) {
+  for (const std::string_view part : {page_assets::camera_js, page_assets::scene_js, page_assets::parts_js})
     script.append(part);
-  }
+  for (const std::string_view part : scripts) script.append(part);
   replace_all(script, "\"use strict\";\n", "");
   // Cut, not searched and replaced: what is filled in may itself hold a word in braces.
   const std::pair<std::string_view, std::string> fills[] = {{"{{title}}", escaped(title)},
-                                                            {"{{style}}", std::string(assets::style_css)},
+                                                            {"{{style}}", std::string(page_assets::style_css)},
+                                                            {"{{theme}}", std::string(page_assets::theme_js)},
                                                             {"{{data}}", embedded(data)},
                                                             {"{{script}}", "\"use strict\";\n" + script}};
   std::string page;
-  std::string_view rest = assets::page_html;
+  std::string_view rest = page_assets::page_html;
   for (const auto& [name, fill] : fills) {
     const std::size_t at = rest.find(name);
     page.append(rest.substr(0, at)).append(fill);

@@ -287,7 +287,7 @@ class Scene {
     c.addEventListener("wheel", (e) => { e.preventDefault(); this.camera.zoom(Math.exp(Math.sign(e.deltaY) * Math.min(120, Math.abs(e.deltaY)) * 0.0012)); this.schedule(); }, { passive: false });
     c.addEventListener("keydown", (e) => this.key(e, focal()));
     new ResizeObserver(() => this.schedule()).observe(c);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.schedule());
+    document.addEventListener("themechange", () => this.schedule());
   }
 
   spread() {

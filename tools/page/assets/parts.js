@@ -30,6 +30,15 @@ function facts(list) {
     element("div", { class: "fact" }, element("b", {}, String(value), unit ? element("small", {}, unit) : null), element("span", {}, what))));
 }
 
+/** Light or dark by hand; until it is pressed, as the system says. */
+function themeButton() {
+  const button = element("button", { type: "button", class: "theme", onclick: () => setTheme(themeNow() === "dark" ? "light" : "dark") });
+  const name = () => { button.textContent = themeNow() === "dark" ? "Light" : "Dark"; };
+  document.addEventListener("themechange", name);
+  name();
+  return button;
+}
+
 /** columns: [{ name, value(row) -> number or text, show(row) -> text or node, word }]; rows have a `key`. */
 class SortableTable {
   constructor(columns, rows, onChoose) {

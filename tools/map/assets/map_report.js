@@ -6,7 +6,6 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const { map, markers, planes } = data;
 const bake = data.bake || {};
 const statistics = new Map((bake.marker || []).map((m) => [m.id, m]));
-const dark = matchMedia("(prefers-color-scheme: dark)");
 const planeColours = ["#4c78a8", "#c2703d", "#54a24b", "#b279a2", "#9d8a3c", "#72b7b2", "#d67195", "#7f8790"];
 
 const rows = markers.map((m) => ({ ...m, key: m.id, ...pickStatistics(statistics.get(m.id)) }));
@@ -183,11 +182,11 @@ function build() {
   const theme = () => { stops = [0, 1, 2, 3].map((i) => scene.colour(`--ramp-${i}`)); legend.update(); repaintDots(); };
   chooseScale(firstScale);
   theme();
-  dark.addEventListener("change", theme);
+  document.addEventListener("themechange", theme);
   const made = map.created_unix_s ? `, made ${new Date(1e3 * map.created_unix_s).toISOString().slice(0, 10)}` : "";
   const spread = spreadSection();
   document.getElementById("page").append(
-    element("header", {}, element("h1", {}, `Room map ${map.id}`), element("p", {}, `${map.provenance}${made}`)),
+    element("header", {}, element("h1", {}, `Room map ${map.id}`), element("p", {}, `${map.provenance}${made}`), themeButton()),
     summary(),
     element("div", { class: "view" }, canvas, toolbar(scene, legend), legend, tip,
       element("p", { class: "hint", style: "left:96px" }, "Drag turns, wheel zooms, shift-drag moves; click a marker")),

@@ -1,4 +1,4 @@
-#include "tools/report/page.h"
+#include "tools/page/page.h"
 
 #include <gtest/gtest.h>
 
@@ -14,16 +14,17 @@ std::size_t count(const std::string& text, const std::string& part) {
 bool contains(const std::string& text, const std::string& part) { return count(text, part) > 0; }
 
 TEST(Page, EveryPlaceholder_IsFilled) {
-  const std::string page = make_page(PageKind::kMap, "a title", {{"key", 5}});
+  const std::string page = make_page("a title", {"const own = 7;"}, {{"key", 5}});
   EXPECT_TRUE(contains(page, "<title>a title</title>"));
   EXPECT_TRUE(contains(page, R"({"key":5})"));
   EXPECT_TRUE(contains(page, "class Scene"));
+  EXPECT_TRUE(contains(page, "const own = 7;"));
   EXPECT_TRUE(contains(page, "prefers-color-scheme: dark"));
   EXPECT_FALSE(contains(page, "{{"));
 }
 
 TEST(Page, NothingIsLoadedFromAnywhere) {
-  const std::string page = make_page(PageKind::kMap, "t", {});
+  const std::string page = make_page("t", {}, {});
   for (const char* part : {"src=", "@import", "url(", "fetch(", "XMLHttpRequest", "https://"}) {
     EXPECT_FALSE(contains(page, part)) << part;
   }
@@ -31,8 +32,8 @@ TEST(Page, NothingIsLoadedFromAnywhere) {
 
 TEST(Page, EvilText_StaysText) {
   const std::string evil = "</script><script>alert(1)</script><!-- {{script}} & \xff";
-  const std::string page = make_page(PageKind::kMap, evil, {{"name", evil}});
-  EXPECT_EQ(count(page, "</script>"), 2U);  // the page's own
+  const std::string page = make_page(evil, {}, {{"name", evil}});
+  EXPECT_EQ(count(page, "</script>"), 3U);  // the page's own
   EXPECT_FALSE(contains(page, "<script>alert"));
   EXPECT_FALSE(contains(page, "<!--"));
 }
