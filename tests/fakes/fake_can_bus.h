@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/ports/can_bus.h"
-#include "tests/fakes/manual_clocks.h"
+#include "runtime/ports/system_clocks.h"
 
 namespace roomcal::fakes {
 
@@ -28,7 +28,7 @@ class CanNode {
 /// and heard by all nodes, unless the script says otherwise.
 class FakeCanBus final : public ports::CanBus, public CanWire {
  public:
-  explicit FakeCanBus(const ManualClocks& clocks) : clocks_(clocks) {}
+  explicit FakeCanBus(const ports::SystemClocks& clocks) : clocks_(clocks) {}
 
   Status send(const ports::CanMessage& message) override;
   bool receive(ports::CanMessage& message) override;
@@ -50,7 +50,7 @@ class FakeCanBus final : public ports::CanBus, public CanWire {
  private:
   Stamp stamp_now() const { return clocks_.read(ClockId::kRealtime); }
 
-  const ManualClocks& clocks_;
+  const ports::SystemClocks& clocks_;
   std::vector<CanNode*> nodes_;
   std::deque<ports::CanMessage> queue_;
   std::vector<ports::CanMessage> sent_;

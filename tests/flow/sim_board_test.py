@@ -175,7 +175,7 @@ def robot_plan(roomcal, roomcald, folder):
     """The real robot has no recordings, but more of everything else."""
     text = (folder / "device.yaml").read_text()
     for i in range(4):
-        text = text.replace("    kind: camera\n", f"    driver: {{kind: v4l2, key: port-{i}}}\n    kind:camera\n", 1)
+        text = text.replace("    kind: camera\n", f"    driver: {{kind: v4l2, key: \"port:usb-{i}\"}}\n    kind:camera\n", 1)
     text = text.replace("kind:camera", "kind: camera").replace("    kind: lidar\n", "    driver: {kind: udp, sweeps: 4}\n    kind: lidar\n")
     text = text.replace("  replay: shots\n", "")
     robot = folder / "robot"

@@ -10,7 +10,8 @@ namespace roomcal::tools {
 /// How a device is wired, in its device.yaml. Everything may be left out and is then as profile/wiring.h has it.
 ///
 /// Of a camera:
-///     driver: {kind: v4l2, key: "usb-0000:00:14.0-1", formats: [GREY, YUYV], rate_hz: 30, exposure_us: 2000, gain: 1,
+///     driver: {kind: v4l2, key: "port:usb-0000:00:14.0-1", formats: [GREY, YUYV], rate_hz: 30, exposure_us: 2000,
+///     gain: 1,
 ///              trigger: line, trigger_name: trigger_mode, trigger_value: 1, buffers: 4, ptp: false,
 ///              may_reset_port: false}           # kind: replay, v4l2, libcamera, aravis; trigger: free, software,
 ///              line, action
