@@ -23,5 +23,6 @@ int main(int argc, char** argv) {
   const auto supervisor = std::make_unique<Supervisor>(options);
   if (options.memory_plan) return supervisor->print_memory_plan();
   if (options.check) return supervisor->check();
+  if (options.bench_runs > 0) return supervisor->bench();
   return supervisor->run();
 }

@@ -1,5 +1,7 @@
 #include "board/common/options.h"
 
+#include <cstdlib>
+
 #include "board/common/boards.h"
 
 namespace roomcal::board {
@@ -38,6 +40,10 @@ Options parse_options(int argc, const char* const* argv, std::string& error) {
       options.memory_plan = true;
     } else if (word == "--check") {
       options.check = true;
+    } else if (word == "--bench") {
+      const std::string runs = value();
+      options.bench_runs = std::atoi(runs.c_str());
+      if (options.bench_runs < 1 && error.empty()) error = "--bench " + runs + ": how many runs? 100 tell enough";
     } else if (word == "--version") {
       options.version = true;
     } else if (word == "--help" || word == "-h") {
@@ -65,6 +71,7 @@ std::string help_text() {
       "  --state DIR       where unfinished starts are counted. Default: where the store's file is\n"
       "  --memory-plan     print what would be reserved, and end\n"
       "  --check           arm, say how it went, and end: 0 armed, 1 not\n"
+      "  --bench RUNS      verify so many times, print times, memory and extrinsics, and end; nothing is stored\n"
       "  --version, --help\n";
   return text;
 }

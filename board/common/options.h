@@ -16,6 +16,7 @@ struct Options {
   std::string state_folder;  ///< empty: where the store is, else the folder
   bool memory_plan = false;
   bool check = false;
+  int bench_runs = 0;  ///< 0: no bench
   bool help = false;
   bool version = false;
   std::size_t starve_bytes = SIZE_MAX;

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "board/common/bench.h"
 #include "drivers/os/wait.h"
 #include "runtime/base/reason.h"
 
@@ -65,6 +66,15 @@ int Supervisor::check() {
   if (armed.ok()) return 0;
   std::fprintf(stderr, "roomcald: %.*s\n", static_cast<int>(trouble_.view().size()), trouble_.view().data());
   return 1;
+}
+
+int Supervisor::bench() {
+  if (const int armed = check(); armed != 0) return armed;
+  if (machine_.profile() != nullptr) open_can(machine_.profile()->wiring);
+  return run_bench(machine_, options_.bench_runs, [this] {
+    can_.poll();
+    clocks_.sleep_until(clocks_.now_ns() + kRound_ns);
+  });
 }
 
 // The face first: whatever goes wrong afterwards can then be seen and asked for.

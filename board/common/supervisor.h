@@ -33,6 +33,8 @@ class Supervisor final : public face::Desk {
   int run();
   /// Arms and ends: for --check.
   int check();
+  /// Arms and measures: for --bench.
+  int bench();
   int print_memory_plan();
 
   Status start(press::Kind kind) override;
