@@ -44,7 +44,7 @@ struct Arguments {
 };
 
 [[noreturn]] void complain(const std::string& what) {
-  std::fprintf(stderr, "can_probe: %s; see the top of tests/vm/can_probe.cpp\n", what.c_str());
+  std::fprintf(stderr, "can_probe: %s; see the top of tests/guest/can_probe.cpp\n", what.c_str());
   std::exit(100);
 }
 

@@ -100,7 +100,7 @@ Arguments parse(int argc, char** argv) {
     } else if (word == "--reset-port") {
       arguments.options.may_reset_port = true;
     } else if (i + 1 >= argc || !take_valued(word, argv[++i], arguments)) {
-      complain("what is " + word + "? See the top of tests/vm/v4l2_probe.cpp");
+      complain("what is " + word + "? See the top of tests/guest/v4l2_probe.cpp");
     }
   }
   if (arguments.options.formats.empty()) take_formats("GREY,YUYV,NV12", arguments.options);

@@ -1,0 +1,37 @@
+"""A vehicle that is not known to stand still is not calibrated on: every doubt is motion."""
+
+import time
+
+from machine import Failed
+from story import press, wait_well
+
+
+def interlock(world):
+    machine, vehicle = world.machine, world.vehicle
+    machine.wait_ready()
+    vehicle.mood = "standing"
+    wait_well(world)
+    before = machine.console.ask("status").get("generation")
+    for mood in ("silent", "repeating", "damaged", "moving"):
+        vehicle.mood = mood
+        time.sleep(1)
+        if machine.console.ask("status").get("still"):
+            raise Failed(f"{mood}: the vehicle is believed to stand")
+        event, _, _ = press(world, seconds=world.options.patience_s + 60)
+        if event.get("result") not in ("FAIL_RETRY", "ABORTED") or event.get("stored"):
+            raise Failed(f"{mood}: the press ended with {event}")
+        world.figure(f"{mood}: refused", event.get("reason", event.get("result")))
+    vehicle.mood = "standing"
+    wait_well(world)
+    if machine.console.ask("status").get("generation") != before:
+        raise Failed("something was stored")
+    # A doubt in the middle of a press stops it as well.
+    machine.console.ask("status")
+    mark = machine.console.mark()
+    machine.gpio.press(3.3)
+    vehicle.mood = "moving"
+    from story import result_event
+    event = result_event(machine, mark, world.options.patience_s + 60)
+    if event.get("stored"):
+        raise Failed(f"moved off during the grab, and yet: {event}")
+    vehicle.mood = "standing"
