@@ -35,7 +35,8 @@ struct RadianceImage {
 /// What the lens and the exposure do to a point, beside the pixel's own square.
 struct Blur {
   double psf_sigma_px = 0.6;
-  double motion_px = 0;  ///< length of a uniform motion along x during the exposure, centred
+  double motion_px = 0;   ///< length of a uniform motion along x during the exposure, centred
+  double defocus_px = 0;  ///< diameter of the disc that a point out of focus becomes
 };
 
 /// Integrates over pixel squares and blur, both continuous: the kernel acts on the parts, not on whole pixels, because

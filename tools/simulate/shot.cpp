@@ -5,10 +5,12 @@ namespace roomcal::tools {
 Exposed expose_camera(const LitScene& lit, const TrueCamera& camera, const ShotOptions& options) {
   const camera::Intrinsics& lens = camera.camera.intrinsics();
   const RoomView view(lit, camera.camera, camera.T_room_cam);
-  const RadianceImage radiance = integrate(view, lens.width_px, lens.height_px, {options.blur_px, options.motion_px});
+  const Blur blur{options.blur_px, options.motion_px, options.defocus_px};
+  const RadianceImage radiance = integrate(view, lens.width_px, lens.height_px, blur);
   Exposed exposed;
   exposed.sensor.grey_per_radiance = options.exposure * 240 / view.paper_radiance_quantile(0.9);
   exposed.sensor.noise_sigma = options.noise_sigma;
+  exposed.sensor.vignetting = options.vignetting;
   exposed.grey = expose(radiance, exposed.sensor);
   exposed.markers = project_markers(lit.scene(), camera.camera, camera.T_room_cam);
   return exposed;

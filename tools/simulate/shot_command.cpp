@@ -51,8 +51,10 @@ class ShotMaker {
     for (std::size_t i = 0; i < stand_.cameras.size(); ++i, progress.step()) take_pictures(lit, i);
     const EchoCaster caster(scene_);
     for (std::size_t i = 0; i < stand_.lidars.size(); ++i, progress.step()) take_sweeps(caster, i);
-    for (std::size_t shot = 0; shot < facts_.size(); ++shot)
+    for (std::size_t shot = 0; shot < facts_.size(); ++shot) {
       write_shot_facts(scene_, stand_, facts_[shot], arguments_.options, folder(shot));
+      if (stand_.imu) write_atomic(folder(shot) / (stand_.imu->name + ".csv"), imu_csv(*stand_.imu, seed(shot, kImu)));
+    }
   }
 
   void print() const {
@@ -66,6 +68,8 @@ class ShotMaker {
   }
 
  private:
+  static constexpr std::size_t kImu = 90;  // as a sensor's number: beyond all others
+
   std::filesystem::path folder(std::size_t shot) const {
     return arguments_.shots == 0 ? arguments_.folder : arguments_.folder / fmt::format("shot{:03}", shot);
   }
@@ -121,6 +125,12 @@ void add_camera_options(CLI::App& shot, Arguments& arguments) {
   shot.add_option("--motion", options.motion_px, "motion during the exposure, px")
       ->check(number_between(0.0, 50.0, "px"))
       ->capture_default_str();
+  shot.add_option("--defocus", options.defocus_px, "diameter of the disc that a point becomes, px")
+      ->check(number_between(0.0, 30.0, "px"))
+      ->capture_default_str();
+  shot.add_option("--vignetting", options.vignetting, "loss of light at the corner of the picture, as a share")
+      ->check(number_between(0.0, 1.0))
+      ->capture_default_str();
   shot.add_option("--noise", options.noise_sigma, "sigma at mid grey, grey levels")
       ->check(number_between(0.0, 50.0))
       ->capture_default_str();
@@ -167,6 +177,7 @@ void add_shot_command(CLI::App& simulate) {
   shot->add_option("--seed", arguments->options.seed, "same seed, same shot")->capture_default_str();
   shot->add_option("--shots", arguments->shots, "so many of the same stand with other noise: shot000/, shot001/, ...")
       ->check(CLI::Range(1, 1000));
+  shot->add_flag("--imu", arguments->options.imu, "also an IMU at rest: imu0.csv");
   add_camera_options(*shot, *arguments);
   add_lidar_options(*shot, *arguments);
   shot->callback([arguments] { simulate_shot(*arguments); });

@@ -52,7 +52,14 @@ json nominal_edge(const MountingEdge& edge) {
 json nominal_json(const Stand& stand, const ShotOptions& options) {
   json edges = json::array();
   for (const MountingEdge& edge : stand.device->edges) edges.push_back(nominal_edge(edge));
+  json imus = json::array();
+  if (stand.imu) {
+    imus.push_back(nominal_edge(imu_mounting()));
+    imus.back()["name"] = stand.imu->name;
+    imus.back()["file"] = stand.imu->name + ".csv";
+  }
   return {{"device", stand.device->name},
+          {"imus", imus},
           {"convention",
            "T maps points of frame 'from' to frame 'to' (X_to = R X_from + t); R = Rz(c) Ry(b) Rx(a) from "
            "euler_xyz_deg = (a,b,c). Camera: x right, y down, z forward. LiDAR: as its packets, see CONVENTIONS.md; "
@@ -91,6 +98,8 @@ json truth_of_picture(const TrueCamera& camera, const Picture& picture, const Sh
             {"gamma", 1.0},
             {"psf_sigma_px", options.blur_px},
             {"motion_px", options.motion_px},
+            {"defocus_px", options.defocus_px},
+            {"vignetting", options.vignetting},
             {"noise_mid", options.noise_sigma}}},
           {"markers", markers}};
 }
@@ -138,6 +147,12 @@ json perturbation_json(const Stand& stand) {
   return all;
 }
 
+json truth_of_imu(const TrueImu& imu) {
+  return {{"T_room_imu", json_of(imu.T_room_imu)},           {"accel_bias_mps2", json_of(imu.accel_bias_mps2)},
+          {"gyro_bias_radps", json_of(imu.gyro_bias_radps)}, {"accel_sigma_mps2", imu.accel_sigma_mps2},
+          {"gyro_sigma_radps", imu.gyro_sigma_radps},        {"gravity_mps2", kGravity_mps2}};
+}
+
 json truth_json(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options) {
   json node = {{"format", "twin-truth-1"},
                {"device", stand.device->name},
@@ -156,6 +171,7 @@ json truth_json(const Scene& scene, const Stand& stand, const ShotFacts& facts, 
     node["cameras"][stand.cameras[i].name] = truth_of_picture(stand.cameras[i], facts.pictures[i], options);
   for (std::size_t i = 0; i < stand.lidars.size(); ++i)
     node["lidars"][stand.lidars[i].name] = truth_of_lidar(stand.lidars[i], facts.recordings[i], options.lidar);
+  if (stand.imu) node["imus"][stand.imu->name] = truth_of_imu(*stand.imu);
   return node;
 }
 

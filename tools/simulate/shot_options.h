@@ -21,11 +21,14 @@ struct ShotOptions {
   uint64_t seed = 1;
   double blur_px = 0.6;      ///< sigma of the lens' point spread
   double motion_px = 0;      ///< uniform motion along x during the exposure
+  double defocus_px = 0;     ///< diameter of the disc that a point out of focus becomes
+  double vignetting = 0.2;   ///< loss of light at the corner of the image
   double noise_sigma = 2;    ///< grey levels at mid grey
   double exposure = 1;       ///< 1: all but the brightest tenth of the paper is below saturation
   double sigma_rot_deg = 1;  ///< of the true mounting about the nominal one, per axis
   double sigma_t_m = 0.008;
   LidarOptions lidar = {};
+  bool imu = false;  ///< with an IMU, at rest
 };
 
 }  // namespace roomcal::tools

@@ -57,6 +57,15 @@ SE3& pose_of(Stand& stand, const std::string& sensor) {
   throw ToolError("device: no sensor " + sensor);
 }
 
+Perturbation draw_perturbation(const ShotOptions& options, Random& random) {
+  return {deg_to_rad(options.sigma_rot_deg) * normal3(random), options.sigma_t_m * normal3(random)};
+}
+
+SE3 T_from_to(const MountingEdge& edge, const Perturbation& drawn) {
+  const SE3 nominal = edge.T_to_from();
+  return SE3{so3_exp(drawn.rotvec_rad) * nominal.R, nominal.t + drawn.dt_m}.inverse();
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, SE3>> sensor_poses(const Stand& stand) {
@@ -69,18 +78,20 @@ std::vector<std::pair<std::string, SE3>> sensor_poses(const Stand& stand) {
 Stand place_device(const Scene& scene, const PaperDevice& device, const ShotOptions& options) {
   Random random = random_stream(options.seed, 1);
   Random lidar_random = random_stream(options.seed, 2);
-  Stand stand{&device, {}, {}, {}};
+  Stand stand{&device, {}, {}, {}, {}};
   for (const DeviceCamera& camera : device.cameras) {
     stand.cameras.push_back({camera.name, draw_lens(camera.nominal, random), {}});
   }
   stand.cameras.front().T_room_cam = draw_place(scene, device, random);
   for (const DeviceLidar& lidar : device.lidars) stand.lidars.push_back(draw_lidar(lidar, options.lidar, lidar_random));
   for (const MountingEdge& edge : device.edges) {
-    const Perturbation drawn{deg_to_rad(options.sigma_rot_deg) * normal3(random), options.sigma_t_m * normal3(random)};
-    const SE3 nominal = edge.T_to_from();
-    const SE3 T_to_from{so3_exp(drawn.rotvec_rad) * nominal.R, nominal.t + drawn.dt_m};
-    pose_of(stand, edge.to) = pose_of(stand, edge.from) * T_to_from.inverse();
-    stand.perturbations.push_back(drawn);
+    stand.perturbations.push_back(draw_perturbation(options, random));
+    pose_of(stand, edge.to) = pose_of(stand, edge.from) * T_from_to(edge, stand.perturbations.back());
+  }
+  if (options.imu) {
+    Random imu_random = random_stream(options.seed, 3);
+    const Perturbation drawn = draw_perturbation(options, imu_random);
+    stand.imu = draw_imu(stand.cameras.front().T_room_cam * T_from_to(imu_mounting(), drawn), imu_random);
   }
   return stand;
 }

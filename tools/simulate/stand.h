@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "runtime/camera/camera.h"
 #include "runtime/math/se3.h"
 #include "tools/simulate/devices.h"
+#include "tools/simulate/imu.h"
 #include "tools/simulate/scene.h"
 #include "tools/simulate/shot_options.h"
 
@@ -42,6 +44,7 @@ struct Stand {
   const PaperDevice* device = nullptr;
   std::vector<TrueCamera> cameras;
   std::vector<TrueLidar> lidars;
+  std::optional<TrueImu> imu;
   std::vector<Perturbation> perturbations;  ///< one per edge of the device
 };
 

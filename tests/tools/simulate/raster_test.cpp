@@ -56,9 +56,55 @@ TEST(Integrate, Motion_KeepsTheMiddle) {
   EXPECT_NEAR(image.at(32, 1) - image.at(28, 1), 100.0 * 4 / 6, 1);
 }
 
+/// The same edge lying down: y in place of x.
+class LyingEdge final : public Radiance {
+ public:
+  explicit LyingEdge(double edge) : edge_(edge) {}
+  void sample(int x, int y, PixelSamples& samples) const override {
+    PixelSamples upright;
+    edge_.sample(y, x, upright);
+    for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = upright[i % kSub * kSub + i / kSub];
+  }
+
+ private:
+  Edge edge_;
+};
+
+/// 100 x share of a disc, of this diameter about the middle of a pixel, right of an edge; mean over the pixel.
+double defocused_edge(double distance, double diameter) {
+  const double R = diameter / 2;
+  double sum = 0;
+  constexpr int kSteps = 200;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = std::clamp(distance + (i + 0.5) / kSteps - 0.5, -R, R);
+    sum += 0.5 + (x * std::sqrt(R * R - x * x) + R * R * std::asin(x / R)) / (std::acos(-1.0) * R * R);
+  }
+  return 100 * sum / kSteps;
+}
+
+TEST(Integrate, Defocus_SpreadsPointsToEvenDiscs) {
+  for (const double diameter : {1.5, 3.0, 7.3}) {
+    const Blur blur{.psf_sigma_px = 0, .defocus_px = diameter};
+    const RadianceImage upright = integrate(Edge(30.3), 60, 9, blur), lying = integrate(LyingEdge(30.3), 9, 60, blur);
+    for (int i = 20; i < 40; ++i) {
+      EXPECT_NEAR(upright.at(i, 4), defocused_edge(i - 30.3, diameter), 1) << diameter << " " << i;
+      EXPECT_NEAR(lying.at(4, i), defocused_edge(i - 30.3, diameter), 1) << diameter << " " << i;
+    }
+  }
+}
+
+TEST(Integrate, DefocusBelowASample_ChangesNothing) {
+  EXPECT_EQ(integrate(Edge(30.3), 60, 9, {.psf_sigma_px = 0.6, .defocus_px = 0.1}).values,
+            integrate(Edge(30.3), 60, 9, {.psf_sigma_px = 0.6}).values);
+}
+
 TEST(Integrate, BandsOfRows_LeaveNoSeam) {
   const RadianceImage image = integrate(Edge(30), 60, 200, {.psf_sigma_px = 1});
   for (int y = 1; y < 200; ++y) EXPECT_FLOAT_EQ(image.at(30, y), image.at(30, 0));
+  const Blur defocus{.psf_sigma_px = 1, .defocus_px = 5};
+  const RadianceImage lying = integrate(LyingEdge(96.2), 40, 200, defocus),
+                      upright = integrate(Edge(96.2), 200, 40, defocus);
+  for (int y = 80; y < 112; ++y) EXPECT_NEAR(lying.at(20, y), upright.at(y, 20), 0.6);  // 96: a band ends there
 }
 
 TEST(ParallelFor, EveryIndex_OnceAndFailuresArrive) {
