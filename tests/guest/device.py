@@ -14,6 +14,7 @@ MARKERS, SCALE, SHOTS = 160, 0.5, 2
 WIDTH, HEIGHT, BAR = 640, 480, 60
 CAMERAS = 4
 HOST = TOP / "build/host-release"
+_built = set()
 
 SETUP = """
 # A shell for the test, beside the device.
@@ -54,11 +55,13 @@ wiring:
 
 
 def host_program(name="roomcal"):
-    """A program of the host's own build: roomcal makes room, shots and profile."""
-    if not (HOST / name).exists():
-        run([TOP / "tools/setup"])
-        run(["cmake", "--preset", "host-release", "-DROOMCAL_TESTS=OFF"], cwd=TOP)
+    """A program of the host's own build, brought up to date: roomcal makes room, shots and profile."""
+    if name not in _built:
+        if not (HOST / "CMakeCache.txt").exists():
+            run([TOP / "tools/setup"])
+            run(["cmake", "--preset", "host-release", "-DROOMCAL_TESTS=OFF"], cwd=TOP)
         run(["cmake", "--build", "--preset", "host-release", "--target", name], cwd=TOP)
+        _built.add(name)
     return HOST / name
 
 

@@ -5,10 +5,13 @@ import math
 import re
 import time
 
+from device import CAMERAS, HEIGHT, WIDTH
 from machine import Failed, wait_for
 
 ERROR_T_M, ERROR_R_RAD = 0.5e-3, 0.3e-3  # cameras of a quarter of the pixels, 160 markers
 HOLD_S = 3.3
+KERNEL_BUFFERS = 4  # of each camera, mapped into the program (profile::CameraWiring::buffers)
+PROGRAM = 3 * 1024 * 1024  # code, data, what the start took from the heap, main's stack
 
 
 def wait_well(world, seconds=90):
@@ -108,10 +111,12 @@ def memory(world):
     told = machine.console.ask("mem")
     process = machine.run("cat /proc/$(pidof roomcald)/status")
     peak = int(re.search(r"VmHWM:\s+(\d+) kB", process).group(1)) * 1024
-    planned = told["reserved_bytes"]
-    world.figure("VmHWM of roomcald, bytes; planned block", [peak, planned])
-    if peak > planned + world.OVERHEAD:
-        raise Failed(f"roomcald took {peak} bytes, {planned} are planned and {world.OVERHEAD} for program and stacks")
+    planned, kernels = told["reserved_bytes"], KERNEL_BUFFERS * CAMERAS * WIDTH * HEIGHT
+    world.figure("VmHWM of roomcald; of it planned block, kernel's image buffers, program, bytes",
+                 [peak, planned, kernels, peak - planned - kernels])
+    if peak > planned + kernels + PROGRAM:
+        raise Failed(f"roomcald took {peak} bytes; planned are {planned}, {kernels} for the kernel's buffers, "
+                     f"{PROGRAM} for the program")
     faults = {name: thread["major_faults"] for name, thread in told["threads"].items() if thread["major_faults"]}
     if faults:
         raise Failed(f"major page faults after arming: {faults}")

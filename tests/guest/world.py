@@ -10,8 +10,6 @@ from vehicle import Vehicle
 
 
 class World:
-    OVERHEAD = 6 * 1024 * 1024  # the program's own pages: code, data, libc's heap of the start, main's stack
-
     def __init__(self, architecture, options):
         self.architecture, self.options = architecture, options
         self.work = TOP / "build/vm" / architecture
