@@ -8,7 +8,6 @@ namespace {
 
 namespace cal_status = drivers::dbc::cal_status;
 
-constexpr int64_t kStaleStillness_ns = 100'000'000;  // the supervisor looks every 10 ms
 constexpr int64_t kTriggerWait_ns = 200'000'000;
 
 cal_status::State state_of(const CanStatus& status) {
@@ -71,12 +70,6 @@ cal_status::Store store_of(const CanStatus& status) {
 }
 
 }  // namespace
-
-ports::Stillness CanSide::SharedStillness::look(int64_t now_ns) {
-  const Seen& seen = latest_.get();
-  if (now_ns - seen.at_ns <= kStaleStillness_ns) return seen.stillness;
-  return {false, "can: the vehicle's standstill is not being looked at: see `health`"};
-}
 
 Status CanSide::SharedTrigger::fire() {
   wish_.store(Wish::kWanted);

@@ -4,11 +4,11 @@
 #include <atomic>
 #include <optional>
 
+#include "board/common/shared_stillness.h"
 #include "drivers/can/dispatcher.h"
 #include "drivers/can/standstill.h"
 #include "drivers/can/station.h"
 #include "drivers/cia402/servo.h"
-#include "runtime/base/latest.h"
 #include "runtime/face/vitals.h"
 #include "runtime/grab/clock_map.h"
 #include "runtime/grab/turntable_tray.h"
@@ -73,21 +73,6 @@ class CanSide {
   ports::Trigger& trigger() { return trigger_; }
 
  private:
-  /// What the supervisor saw last; too old is moving.
-  class SharedStillness final : public ports::StillnessSensor {
-   public:
-    explicit SharedStillness(const ports::SystemClocks& clocks) : clocks_(clocks) {}
-    void tell(const ports::Stillness& seen) { latest_.set({seen, clocks_.now_ns()}); }
-    ports::Stillness look(int64_t now_ns) override;
-
-   private:
-    struct Seen {
-      ports::Stillness stillness;
-      int64_t at_ns = 0;
-    };
-    const ports::SystemClocks& clocks_;
-    Latest<Seen> latest_;
-  };
   /// A wish that the supervisor fulfils.
   class SharedTrigger final : public ports::Trigger {
    public:

@@ -299,7 +299,9 @@ void Machine::disarm() {
   links_.clear();
   for (std::size_t i = 0; i < sources_.cameras.size(); ++i) image_drivers_[i].source().stop();
   for (std::size_t i = 0; i < sources_.lidars.size(); ++i) packet_drivers_[i].source().stop();
-  sources_ = grab::Sources();
+  sources_.cameras.clear();
+  sources_.lidars.clear();
+  sources_.trigger = nullptr;
   armed_ = false;
 }
 

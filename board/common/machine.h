@@ -67,6 +67,8 @@ class Machine {
   PressThread& press_thread() { return press_thread_; }
   const calib::Device& device() const { return device_; }
 
+  /// Another sensor of motion, before arm(); outlives the machine.
+  void watch_motion(ports::StillnessSensor& sensor) { static_cast<void>(sources_.stillness.push_back(&sensor)); }
   /// The shot was taken: a replay goes on to the next one.
   void advance_replay();
   void examine(face::Vitals& vitals);

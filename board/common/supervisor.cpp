@@ -42,6 +42,7 @@ Supervisor::Supervisor(const Options& options)
       machine_({.board = options.board, .folder = {options.folder}, .starve_bytes = options.starve_bytes}, clocks_,
                log_, can_),
       panel_(files_, clocks_, log_),
+      imu_stillness_(clocks_),
       starts_(state_file()),
       console_arena_(console_memory_) {}
 
@@ -88,7 +89,18 @@ void Supervisor::open_face() {
                                : std::string();
   panel_.open_console(path, profile != nullptr ? profile->wiring.console.baud : 115'200);
   if (profile != nullptr) panel_.open(profile->wiring, folder);
-  if (profile != nullptr && !safe_mode_) open_can(profile->wiring);
+  if (profile == nullptr || safe_mode_) return;
+  open_can(profile->wiring);
+  open_imu(profile->wiring.imu);
+}
+
+void Supervisor::open_imu(const profile::ImuWiring& wiring) {
+  if (wiring.path.empty()) return;
+  drivers::ImuOptions options;
+  options.folder = std::string_view(Folder{options_.folder}.below(wiring.path.view()));
+  imu_.emplace(options, files_);
+  if (const Status started = imu_->start(); !started.ok()) log_.note("imu", started.detail());
+  machine_.watch_motion(imu_stillness_);
 }
 
 void Supervisor::open_can(const profile::Wiring& wiring) {
@@ -146,6 +158,7 @@ void Supervisor::round(int64_t now_ns) {
   serve_button(now_ns);
   serve_console(now_ns);
   serve_can(now_ns);
+  serve_imu(now_ns);
   tell_progress(now_ns);
   if (machine_.armed() && machine_.press_thread().presses() != told_presses_) tell_result();
   if (machine_.armed() && machine_.press_thread().looks() != told_looks_) tell_sight();
@@ -213,13 +226,25 @@ void Supervisor::serve_console(int64_t now_ns) {
   console_.pump(*line);
 }
 
+void Supervisor::serve_imu(int64_t now_ns) {
+  if (!imu_) return;
+  imu_->sample(now_ns);
+  imu_stillness_.tell(imu_->look(now_ns));
+}
+
+/// Of all sensors of motion; still where there are none.
+ports::Stillness Supervisor::stillness() {
+  if (can_.has_standstill() && !can_.still_now().still) return can_.still_now();
+  return imu_ ? imu_->look(clocks_.now_ns()) : ports::Stillness{true, {}};
+}
+
 void Supervisor::serve_can(int64_t /*now_ns*/) {
   if (!can_.started()) return;
   can_.poll();
   CanStatus status;
   status.armed = machine_.armed();
   status.moment = moment();
-  status.still = !can_.has_standstill() || can_.still_now().still;
+  status.still = stillness().still;
   if (machine_.armed()) status.kind = machine_.press_thread().kind();
   if (machine_.armed() && !machine_.press_thread().busy()) {
     status.result = machine_.press()->report().result;

@@ -9,8 +9,10 @@
 #include "board/common/machine.h"
 #include "board/common/options.h"
 #include "board/common/panel.h"
+#include "board/common/shared_stillness.h"
 #include "board/common/start_counter.h"
 #include "drivers/can/socketcan.h"
+#include "drivers/iio/imu_stillness.h"
 #include "runtime/console/console.h"
 #include "runtime/face/answers.h"
 #include "runtime/face/button_grammar.h"
@@ -49,6 +51,8 @@ class Supervisor final : public face::Desk {
  private:
   void open_face();
   void open_can(const profile::Wiring& wiring);
+  void open_imu(const profile::ImuWiring& wiring);
+  ports::Stillness stillness();
   void make_answers();
   void round(int64_t now_ns);
   void wait(int64_t deadline_ns);
@@ -57,6 +61,7 @@ class Supervisor final : public face::Desk {
   void act(face::Gesture gesture);
   void serve_console(int64_t now_ns);
   void serve_can(int64_t now_ns);
+  void serve_imu(int64_t now_ns);
   void serve_light(int64_t now_ns);
   void serve_watchdogs(int64_t now_ns);
   void tell_progress(int64_t now_ns);
@@ -78,6 +83,8 @@ class Supervisor final : public face::Desk {
   std::string can_interface_;  ///< the bus keeps a pointer
   Machine machine_;
   Panel panel_;
+  std::optional<drivers::ImuStillness> imu_;
+  SharedStillness imu_stillness_;
   StartCounter starts_;
 
   std::array<std::byte, console::plan_console_bytes()> console_memory_{};

@@ -122,8 +122,8 @@ void Supervisor::examine(face::Vitals& vitals) {
   vitals.can = can_.bus().state();
   vitals.can_counters = can_.bus().counters();
   vitals.servo_trouble = can_.servo_trouble();
-  vitals.has_stillness = can_.has_standstill();
-  vitals.stillness = can_.still_now();
+  vitals.has_stillness = can_.has_standstill() || imu_.has_value();
+  vitals.stillness = stillness();
 }
 
 void Supervisor::read_log(std::size_t lines, void (*visit)(void* context, std::string_view line), void* context) {

@@ -149,7 +149,8 @@ bool take(const fbs::Wiring& stored, Wiring& out) {
   return take_trigger(stored, out.trigger) && take_face(stored, out) &&
          take_text(stored.can_interface(), out.can.interface) && take_text(stored.watchdog_path(), out.watchdog.path) &&
          take_enum(stored.store_kind(), StoreKind::kNvmem, out.store.kind) &&
-         take_text(stored.store_path(), out.store.path) && take_text(stored.replay_folder(), out.replay_folder);
+         take_text(stored.store_path(), out.store.path) && take_text(stored.replay_folder(), out.replay_folder) &&
+         take_text(stored.imu_path(), out.imu.path);
 }
 
 Status take_sensors(const fbs::Profile& stored, Profile& out) {

@@ -104,6 +104,11 @@ struct ServoWiring {
   double half_turn_s = 10;   ///< that a sweep of the whole sphere takes
 };
 
+/// An IMU by Linux's IIO: without its word that the device stands still nothing is calibrated.
+struct ImuWiring {
+  PathText path;  ///< "/sys/bus/iio/devices/iio:device0"; empty: there is none
+};
+
 struct WatchdogWiring {
   PathText path;  ///< empty: none
   uint32_t timeout_s = 10;
@@ -124,6 +129,7 @@ struct Wiring {
   ConsoleWiring console;
   CanWiring can;
   ServoWiring servo;
+  ImuWiring imu;
   WatchdogWiring watchdog;
   StoreWiring store;
   PathText replay_folder;  ///< of the shots that replay drivers play

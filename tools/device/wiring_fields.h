@@ -107,6 +107,11 @@ void walk(profile::ServoWiring& w, Fields& f) {
 }
 
 template <typename Fields>
+void walk(profile::ImuWiring& w, Fields& f) {
+  f.text("path", w.path);
+}
+
+template <typename Fields>
 void walk(profile::WatchdogWiring& w, Fields& f) {
   f.text("path", w.path);
   f.number("timeout_s", w.timeout_s);
@@ -129,6 +134,7 @@ void walk_sections(profile::Wiring& w, const Visit& visit) {
   visit("console", w.console);
   visit("can", w.can);
   visit("servo", w.servo);
+  visit("imu", w.imu);
   visit("watchdog", w.watchdog);
   visit("store", w.store);
 }

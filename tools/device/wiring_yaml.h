@@ -28,6 +28,7 @@ namespace roomcal::tools {
 ///       can: {interface: can0, standstill: true}
 ///       servo: {node: 5, counts_per_turn: 1048576, velocity_units_per_count: 1, acceleration_units_per_count: 1,
 ///               homing_method: 0, half_turn_s: 10}
+///       imu: {path: "/sys/bus/iio/devices/iio:device0"}
 ///       watchdog: {path: /dev/watchdog, timeout_s: 10}
 ///       store: {kind: file, path: /var/lib/roomcal/store, size_bytes: 196608, page_bytes: 0}  # or partition, nvmem
 ///       replay: /var/lib/roomcal/shots
