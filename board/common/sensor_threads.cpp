@@ -42,7 +42,7 @@ void CameraThread::prepare(const face::CameraVitals& facts, ports::ImageSource& 
   source_ = &source;
   ring_ = &ring;
   clocks_ = &clocks;
-  told_.set(vitals_);
+  tell(clocks.now_ns());
 }
 
 void CameraThread::run() {
