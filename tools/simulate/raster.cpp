@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <thread>
 
 #include "tools/simulate/disc_filter.h"
+#include "tools/simulate/part_rows.h"
 
 namespace roomcal::tools {
 
@@ -43,79 +43,6 @@ Kernel make_kernel(double sigma_px, double motion_px) {
   }
   return kernel;
 }
-
-/// One row of pixels as rows of samples, sample by sample of a pixel: contiguous for the compiler.
-using PartRow = std::array<std::vector<float>, kSub * kSub>;
-
-/// Rows of samples, in focus or not. Rows must be asked for from above to below.
-class PartRows {
- public:
-  PartRows(const Radiance& radiance, const DiscFilter& disc, int margin_px, int width, int first_y)
-      : radiance_(radiance),
-        disc_(disc),
-        margin_px_(margin_px),
-        padded_(static_cast<std::size_t>(width + 2 * margin_px)),
-        next_y_(first_y - disc.margin_px()) {
-    for (auto& part : row_) part.assign(padded_, 0);
-  }
-
-  /// Of pixel row y, `margin_px` pixels wider than the picture on each side.
-  const PartRow& at(int y) {
-    if (disc_.active()) {
-      defocus(y);
-    } else {
-      sample(y);
-    }
-    return row_;
-  }
-
- private:
-  void sample(int y) {
-    PixelSamples samples{};
-    for (std::size_t x = 0; x < padded_; ++x) {
-      radiance_.sample(static_cast<int>(x) - margin_px_, y, samples);
-      for (std::size_t i = 0; i < samples.size(); ++i) row_[i][x] = samples[i];
-    }
-  }
-
-  /// Sums of the next pixel row's rows of samples, wider by the disc's margin.
-  void sum_next() {
-    const std::size_t wide = padded_ + 2 * static_cast<std::size_t>(disc_.margin_px());
-    std::array<std::vector<float>, kSub> rows;
-    for (auto& row : rows) row.resize(wide * kSub);
-    PixelSamples samples{};
-    for (std::size_t x = 0; x < wide; ++x) {
-      radiance_.sample(static_cast<int>(x) - margin_px_ - disc_.margin_px(), next_y_, samples);
-      for (std::size_t i = 0; i < samples.size(); ++i) rows[i / kSub][x * kSub + i % kSub] = samples[i];
-    }
-    for (const auto& row : rows) DiscFilter::sum_up(row, sums_.emplace_back(row.size() + 1));
-    ++next_y_;
-    while (sums_.size() > static_cast<std::size_t>(kSub * (2 * disc_.margin_px() + 1))) sums_.pop_front();
-  }
-
-  void defocus(int y) {
-    while (next_y_ <= y + disc_.margin_px()) sum_next();
-    const std::size_t reach = static_cast<std::size_t>(disc_.reach());
-    const std::size_t first =
-        static_cast<std::size_t>(kSub * disc_.margin_px()) - reach;  // of the topmost row's window
-    std::vector<const double*> window(2 * reach + 1);
-    for (std::size_t j = 0; j < kSub; ++j) {
-      for (std::size_t k = 0; k < window.size(); ++k) window[k] = sums_[first + j + k].data();
-      for (std::size_t x = 0; x < padded_; ++x) {
-        const std::size_t at = (x + static_cast<std::size_t>(disc_.margin_px())) * kSub;
-        for (std::size_t i = 0; i < kSub; ++i) row_[j * kSub + i][x] = disc_.average(window, at + i);
-      }
-    }
-  }
-
-  const Radiance& radiance_;
-  const DiscFilter& disc_;
-  int margin_px_;
-  std::size_t padded_;
-  PartRow row_;
-  int next_y_;                            ///< next pixel row to be summed up
-  std::deque<std::vector<double>> sums_;  ///< of the latest rows of samples
-};
 
 /// One horizontal band of the picture: rows of parts, blurred along x, then along y.
 class Band {
