@@ -1,10 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <vector>
+#include <string>
 
-#include "tools/simulate/record_lidar.h"
-#include "tools/simulate/shot.h"
+#include "tools/simulate/shot_truth.h"
 
 namespace roomcal::tools {
 
@@ -14,12 +14,6 @@ enum class ImageFile : uint8_t { kPng, kJpeg, kPgm };
 struct PictureFormat {
   ImageFile file = ImageFile::kPng;
   int jpeg_quality = 95;
-};
-
-/// What there is to say about one shot beside its stand.
-struct ShotFacts {
-  std::vector<Picture> pictures;           ///< of every camera; the images themselves are not looked at
-  std::vector<LidarRecording> recordings;  ///< of every LiDAR; likewise
 };
 
 /// @throws ToolError naming the path.
