@@ -90,8 +90,14 @@ const PaperDevice& device_named(const std::string& name) {
 }
 
 PaperDevice with_lidars(PaperDevice device, const std::string& unit) {
-  for (DeviceLidar& lidar : device.lidars)
-    if (!unit.empty() && lidar.unit != kTlsKind) lidar.unit = unit;
+  if (unit.empty()) return device;
+  bool any = false;
+  for (DeviceLidar& lidar : device.lidars) {
+    if (lidar.unit == kTlsKind) continue;
+    lidar.unit = unit;
+    any = true;
+  }
+  if (!any) throw ToolError(fmt::format("--lidar {}: {} has no spinning LiDAR; leave it out", unit, device.name));
   return device;
 }
 

@@ -52,6 +52,7 @@ std::string device_names();
 const PaperDevice& device_named(const std::string& name);
 
 /// The same device with other spinning LiDARs. @param unit  one of lidar_unit_names(); empty: as it is
+/// @throws ToolError if the device has none.
 PaperDevice with_lidars(PaperDevice device, const std::string& unit);
 
 /// The same device with cameras of another resolution and the same field of view. @param scale  above 0

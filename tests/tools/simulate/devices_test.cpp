@@ -48,6 +48,13 @@ TEST(Devices, RobotsSecondCamera_LooksAlongTheFirstOnesX) {
   EXPECT_LT((T_cam0_cam1.R.col(2) + Vec3::UnitX()).norm(), 1e-12);
 }
 
+TEST(Devices, OtherLidars_ReplaceTheSpinningOnesOnly) {
+  for (const DeviceLidar& lidar : with_lidars(device_named("backpack"), "xt32").lidars) EXPECT_EQ(lidar.unit, "xt32");
+  EXPECT_EQ(with_lidars(device_named("tls"), "").lidars[0].unit, kTlsKind);
+  EXPECT_THROW(with_lidars(device_named("tls"), "xt32"), ToolError);
+  EXPECT_THROW(with_lidars(device_named("stereo_rig"), "xt32"), ToolError);
+}
+
 TEST(Devices, UnknownName_ListsTheKnown) {
   try {
     device_named("toaster");
