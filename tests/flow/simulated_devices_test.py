@@ -22,6 +22,22 @@ DEVICES = {
 }
 
 
+# An L with its ceiling.
+L_ROOM = """
+walls:
+  - {name: floor, corner: [0, 0, 0], right: [1, 0, 0], up: [0, 1, 0], size: [3, 4]}
+  - {name: floor arm, corner: [3, 0, 0], right: [1, 0, 0], up: [0, 1, 0], size: [2, 2]}
+  - {name: south, corner: [5, 0, 0], right: [-1, 0, 0], size: [5, 2.6], keep_out: [[1, 0, 2, 2]]}
+  - {name: west, corner: [0, 0, 0], right: [0, 1, 0], size: [4, 2.6]}
+  - {name: north, corner: [0, 4, 0], right: [1, 0, 0], size: [3, 2.6]}
+  - {name: inner east, corner: [3, 4, 0], right: [0, -1, 0], size: [2, 2.6]}
+  - {name: inner north, corner: [3, 2, 0], right: [1, 0, 0], size: [2, 2.6]}
+  - {name: east, corner: [5, 2, 0], right: [0, -1, 0], size: [2, 2.6]}
+  - {name: ceiling, corner: [3, 0, 2.6], right: [-1, 0, 0], up: [0, 1, 0], size: [3, 4]}
+  - {name: ceiling arm, corner: [5, 0, 2.6], right: [-1, 0, 0], up: [0, 1, 0], size: [2, 2]}
+"""
+
+
 class SimulatedDevices(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -35,15 +51,15 @@ class SimulatedDevices(unittest.TestCase):
     def tearDownClass(cls):
         cls.temporary.cleanup()
 
-    def simulate(self, device, name, *more):
-        roomcal("simulate", "shot", "--room", self.room, "--device", device, "-o", self.folder / name, "--scale",
+    def simulate(self, device, name, *more, room=None):
+        roomcal("simulate", "shot", "--room", room or self.room, "--device", device, "-o", self.folder / name, "--scale",
                 DEVICES[device][0], *more)
         return self.folder / name
 
-    def calibrate(self, shot, *more):
+    def calibrate(self, shot, *more, room_map=None):
         config, report = self.folder / "device.yaml", self.folder / "result.json"
         roomcal("import", "kalibr", shot / "camchain.yaml", "--nominal", shot / "nominal.json", "-o", config)
-        roomcal("calibrate", "--map", self.map, "--device", config, "--shot", shot, "--json", report, *more)
+        roomcal("calibrate", "--map", room_map or self.map, "--device", config, "--shot", shot, "--json", report, *more)
         return json.loads(report.read_text()), json.loads((shot / "truth.json").read_text())
 
     def check(self, what, result, truth, bar):
@@ -88,6 +104,14 @@ class SimulatedDevices(unittest.TestCase):
             shot = self.simulate("mobile_robot", unit, "--lidar", unit, "--sweeps", 1)
             result, truth = self.calibrate(shot)
             self.check(unit, result, truth, DEVICES["mobile_robot"][1])
+
+    def test_room_of_other_layout_with_furniture_meets_truth(self):
+        walls, room, room_map = self.folder / "l.yaml", self.folder / "l", self.folder / "l.room"
+        walls.write_text(L_ROOM)
+        roomcal("simulate", "room", "--walls", walls, "--furniture", 4, "--markers", 400, "--seed", 2, "-o", room)
+        roomcal("map", "import", room / "markers.csv", "-o", room_map)
+        result, truth = self.calibrate(self.simulate("mobile_robot", "in_l", "--sweeps", 1, room=room), room_map=room_map)
+        self.check("in an L", result, truth, DEVICES["mobile_robot"][1])
 
     def test_same_seed_gives_the_same_files(self):
         first, second = (self.simulate("tls", name, "--tls-step", 2, "--seed", 3) for name in ("a", "b"))
