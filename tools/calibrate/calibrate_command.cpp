@@ -12,6 +12,7 @@
 #include "runtime/calib/memory_plan.h"
 #include "runtime/calib/session.h"
 #include "runtime/calib/to_record.h"
+#include "tools/calibrate/outcome_detail.h"
 #include "tools/calibrate/outcome_json.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/runtime_device.h"
@@ -29,6 +30,8 @@ namespace roomcal::tools {
 
 namespace {
 
+constexpr const char* kFirmware = "roomcal host";
+
 struct Options {
   std::string map_file;
   std::string device_file;
@@ -41,6 +44,7 @@ struct Options {
   std::size_t sweeps = 1;
   bool dry_run = false;
   bool refine_intrinsics = false;
+  bool detail = false;
 };
 
 /// A finished run.
@@ -55,6 +59,8 @@ T must(Result<T> result, const std::string& thing) {
   return std::move(result).value();
 }
 
+int64_t now_unix_s() { return std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()); }
+
 // What a device with this outcome would write first into its store.
 void write_as_device(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
                      const std::string& file) {
@@ -65,8 +71,8 @@ void write_as_device(const calib::Outcome& outcome, const calib::Device& device,
   calib::RecordContext context;
   context.map_id = map.map_id();
   context.map_hash = map.content_crc32c();
-  context.firmware_id = "roomcal host";
-  context.measured_unix_s = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  context.firmware_id = kFirmware;
+  context.measured_unix_s = now_unix_s();
   const auto record = std::make_unique<store::Record>();
   require(calib::to_record(outcome, device, context, *record), file);
   record->generation = record->content_generation = 1;
@@ -74,15 +80,33 @@ void write_as_device(const calib::Outcome& outcome, const calib::Device& device,
   write_record(file, *record);
 }
 
-void report(const Options& options, const calib::Device& device, const map::RoomMap& map, const ShotFolder& shot,
-            const calib::Outcome& outcome, std::size_t arena_peak_bytes) {
-  for (const std::string& trouble : shot.troubles) fmt::print(stderr, "roomcal: {}\n", trouble);
-  print_outcome(outcome, arena_peak_bytes);
-  if (!options.truth_file.empty()) print_against_truth(outcome, options.truth_file);
-  if (!options.json_file.empty())
-    write_atomic(options.json_file, to_json(outcome, device, map, arena_peak_bytes).dump(1) + "\n");
-  if (!options.record_file.empty() && !options.dry_run) write_as_device(outcome, device, map, options.record_file);
-  if (!options.draw_folder.empty()) draw_outcome(outcome, map, shot, options.draw_folder);
+// A finished run and all that it was made of.
+struct Run {
+  const Options& options;
+  const Device& description;
+  const calib::Session& session;
+  const ShotFolder& shot;
+  const calib::Outcome& outcome;
+  std::size_t arena_peak_bytes;
+};
+
+void write_result(const Run& run) {
+  const ResultContext context{run.description.name, run.description.serial, kFirmware,
+                              now_unix_s(),         run.shot.sweep_files,   run.arena_peak_bytes};
+  nlohmann::json result = to_json(run.outcome, run.session.device, run.session.map, context);
+  if (run.options.detail) add_detail(run.session, run.outcome, result);
+  write_atomic(run.options.json_file, result.dump(1) + "\n");
+}
+
+void report(const Run& run) {
+  const Options& options = run.options;
+  for (const std::string& trouble : run.shot.troubles) fmt::print(stderr, "roomcal: {}\n", trouble);
+  print_outcome(run.outcome, run.arena_peak_bytes);
+  if (!options.truth_file.empty()) print_against_truth(run.outcome, options.truth_file);
+  if (!options.json_file.empty()) write_result(run);
+  if (!options.record_file.empty() && !options.dry_run)
+    write_as_device(run.outcome, run.session.device, run.session.map, options.record_file);
+  if (!options.draw_folder.empty()) draw_outcome(run.outcome, run.session.map, run.shot, options.draw_folder);
 }
 
 store::Record read_installed(const std::string& file) {
@@ -132,7 +156,7 @@ Finished run(const Options& options) {
   session.installed = installed.get();
   const auto outcome = std::make_unique<calib::Outcome>();
   require(calib::calibrate(session, shot.shot(), SteadyClock(), armed.arenas(), *outcome), options.shot_folder);
-  report(options, *device, loaded.map, folder, *outcome, armed.arenas().peak());
+  report({options, description, session, folder, *outcome, armed.arenas().peak()});
   return {outcome->verdict, outcome->installed.done && !outcome->installed.moved};
 }
 
@@ -145,7 +169,9 @@ void add_common_options(CLI::App& command, Options& options) {
       ->capture_default_str();
   command.add_flag("--refine-intrinsics", options.refine_intrinsics,
                    "refine the cameras' intrinsics along, with `intrinsics_sigma` of device.yaml as prior");
-  command.add_option("--json", options.json_file, "write the result to this file");
+  CLI::Option* json = command.add_option("--json", options.json_file, "write the result to this file");
+  command.add_flag("--detail", options.detail, "with every ring, its residual and the joint covariance in the result")
+      ->needs(json);
   command.add_option("--draw", options.draw_folder, "write annotated pictures into this folder");
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "runtime/rig/pixel_error.h"
+#include "tools/common/matrix_json.h"
 #include "tools/device/device.h"
 
 namespace roomcal::tools {
@@ -12,17 +13,6 @@ namespace roomcal::tools {
 using nlohmann::json;
 
 namespace {
-
-template <typename Matrix>
-json rows(const Matrix& m) {
-  json out = json::array();
-  for (Eigen::Index r = 0; r < m.rows(); ++r) {
-    json row = json::array();
-    for (Eigen::Index c = 0; c < m.cols(); ++c) row.push_back(m(r, c));
-    out.push_back(std::move(row));
-  }
-  return out;
-}
 
 json intrinsics_json(const camera::Intrinsics& k) {
   return {{"model", to_string(k.model)},
@@ -57,15 +47,15 @@ json sensor_json(const calib::CameraOutcome& camera, const rig::RigSolution& sol
               {"inliers", camera.inliers.size()}};
   if (!camera.failure.empty()) out["failure"] = std::string(camera.failure.view());
   if (camera.located) {
-    out["T_room_sensor"] = rows(camera.T_room_cam.matrix());
+    out["T_room_sensor"] = rows_of(camera.T_room_cam.matrix());
     out["rms_px"] = camera.rms_px;
     out["coverage"] = camera.coverage;
     out["log_likelihood_gap"] = camera.log_likelihood_gap;
     if (const rig::RefinedLens* lens = solution.lens_of(camera.view)) out["intrinsics_sigma"] = refinement_json(*lens);
   }
   if (camera.in_rig) {
-    out["T_rig_sensor"] = rows(camera.T_rig_cam.matrix());
-    out["covariance"] = rows(camera.cov_rig_cam);
+    out["T_rig_sensor"] = rows_of(camera.T_rig_cam.matrix());
+    out["covariance"] = rows_of(camera.cov_rig_cam);
   }
   return out;
 }
@@ -91,7 +81,7 @@ json beams_json(const scan::Location& location) {
   return beams;
 }
 
-json sensor_json(const calib::LidarOutcome& lidar, const calib::LidarSpec& spec) {
+json sensor_json(const calib::LidarOutcome& lidar, const calib::LidarSpec& spec, const std::string& file) {
   const scan::Location& location = lidar.location;
   json out = {{"kind", "lidar"},
               {"model", std::string(spec.model.view())},
@@ -101,10 +91,12 @@ json sensor_json(const calib::LidarOutcome& lidar, const calib::LidarSpec& spec)
               {"detections", location.points},
               {"inliers", location.inliers},
               {"twins", location.twins}};
+  if (!file.empty()) out["file"] = file;
   if (!lidar.failure.empty()) out["failure"] = std::string(lidar.failure.view());
   if (lidar.located) {
-    out["T_room_sensor"] = rows(lidar.T_room_lidar.matrix());
+    out["T_room_sensor"] = rows_of(lidar.T_room_lidar.matrix());
     out["rms_m"] = location.rms_m;
+    out["sigma_m"] = location.sigma_m;
     out["coverage"] = location.azimuth;
     out["beam_offsets"] = beams_json(location);
     out["mounting_took_part"] = lidar.mount_took_part;
@@ -114,8 +106,8 @@ json sensor_json(const calib::LidarOutcome& lidar, const calib::LidarSpec& spec)
     out["weak_directions"] = std::move(weak);
   }
   if (lidar.in_rig) {
-    out["T_rig_sensor"] = rows(lidar.T_rig_lidar.matrix());
-    out["covariance"] = rows(lidar.cov_rig_lidar);
+    out["T_rig_sensor"] = rows_of(lidar.T_rig_lidar.matrix());
+    out["covariance"] = rows_of(lidar.cov_rig_lidar);
   }
   return out;
 }
@@ -142,8 +134,8 @@ json pairs_json(const calib::Outcome& outcome) {
       const rig::RelativePose relative = rig::relative_pose(outcome.solution, a.number, b.number);
       pairs.push_back({{"a", std::string(a.name.view())},
                        {"b", std::string(b.name.view())},
-                       {"T_a_b", rows(relative.T_a_b.matrix())},
-                       {"covariance", rows(relative.cov)}});
+                       {"T_a_b", rows_of(relative.T_a_b.matrix())},
+                       {"covariance", rows_of(relative.cov)}});
       json errors = pixel_errors(outcome, a.number, relative);
       if (!errors.empty()) pairs.back()["pixel_error"] = std::move(errors);
     }
@@ -156,7 +148,7 @@ json installed_json(const calib::InstalledCheck& check) {
     json one = {{"comparable", change.comparable}};
     if (change.comparable) {
       one["delta"] = std::vector<double>(change.delta.data(), change.delta.data() + 6);
-      one["covariance"] = rows(change.cov);
+      one["covariance"] = rows_of(change.cov);
       one["p_value"] = change.p_value;
     }
     sensors[std::string(change.name.view())] = std::move(one);
@@ -166,21 +158,27 @@ json installed_json(const calib::InstalledCheck& check) {
   return out;
 }
 
-}  // namespace
-
-json to_json(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
-             std::size_t arena_peak_bytes) {
-  json sensors = json::object(), timing_ms = json::object();
-  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
-    sensors[std::string(outcome.cameras[i].name.view())] = sensor_json(outcome.cameras[i], outcome.solution);
-  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
-    sensors[std::string(outcome.lidars[i].name.view())] = sensor_json(outcome.lidars[i], device.lidars[i]);
+json timing_json(const calib::Outcome& outcome) {
+  json timing_ms = json::object();
   int64_t total_ns = 0;
   for (std::size_t s = 0; s < outcome.stage_ns.size(); ++s) {
     timing_ms[calib::to_string(static_cast<calib::Stage>(s))] = 1e-6 * static_cast<double>(outcome.stage_ns[s]);
     total_ns += outcome.stage_ns[s];
   }
   timing_ms["total"] = 1e-6 * static_cast<double>(total_ns);
+  return timing_ms;
+}
+
+}  // namespace
+
+json to_json(const calib::Outcome& outcome, const calib::Device& device, const map::RoomMap& map,
+             const ResultContext& context) {
+  json sensors = json::object();
+  for (std::size_t i = 0; i < outcome.cameras.size(); ++i)
+    sensors[std::string(outcome.cameras[i].name.view())] = sensor_json(outcome.cameras[i], outcome.solution);
+  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
+    sensors[std::string(outcome.lidars[i].name.view())] =
+        sensor_json(outcome.lidars[i], device.lidars[i], context.lidar_files[i]);
   json reasons = json::array();
   for (const Reason& reason : outcome.reasons) reasons.push_back(std::string(reason.view()));
   json solution;
@@ -192,11 +190,15 @@ json to_json(const calib::Outcome& outcome, const calib::Device& device, const m
               {"reasons", std::move(reasons)},
               {"rig_frame", std::string(outcome.cameras[outcome.reference].name.view())},
               {"map", {{"id", std::string(map.map_id())}, {"hash", fmt::format("{:08x}", map.content_crc32c())}}},
+              {"device", context.device},
+              {"device_serial", context.device_serial},
+              {"firmware", context.firmware},
+              {"measured_unix_s", context.measured_unix_s},
               {"sensors", std::move(sensors)},
               {"pairs", pairs_json(outcome)},
               {"joint_fit", std::move(solution)},
-              {"timing_ms", std::move(timing_ms)},
-              {"arena_peak_bytes", arena_peak_bytes}};
+              {"timing_ms", timing_json(outcome)},
+              {"arena_peak_bytes", context.arena_peak_bytes}};
   if (outcome.held_out.markers > 0)
     out["held_out"] = {{"markers", outcome.held_out.markers}, {"median_sigmas", outcome.held_out.median_sigmas}};
   if (outcome.installed.done) out["installed"] = installed_json(outcome.installed);

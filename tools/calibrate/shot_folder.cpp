@@ -56,8 +56,10 @@ std::vector<LoadedSweep> read_lidar(const fs::path& folder, const Sensor& sensor
   if (!file) {
     shot.troubles.push_back(
         fmt::format("{}: {}/{}.pcap (or pcd, ply) is missing", sensor.name, folder.string(), sensor.name));
+    shot.sweep_files.emplace_back();
     return {};
   }
+  shot.sweep_files.push_back(file->lexically_relative(folder).string());
   LoadRequest request;
   request.file = *file;
   request.model = sensor.lidar_model;

@@ -18,6 +18,7 @@ namespace roomcal::tools {
 struct ShotFolder {
   std::vector<cv::Mat> images;
   std::vector<std::vector<LoadedSweep>> sweeps;  ///< per LiDAR
+  std::vector<std::string> sweep_files;          ///< per LiDAR, name in the folder; empty if it is missing
   std::vector<std::string> troubles;
 };
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/marker/detector.h"
+#include "tools/common/detection_json.h"
 #include "tools/common/draw.h"
 #include "tools/common/error.h"
 #include "tools/common/files.h"
@@ -30,17 +31,6 @@ struct Options {
 
 // More than any room has on one image; beyond it detect() says kCapacity and we say so.
 constexpr std::size_t kMaxMarkers = 4096;
-
-json to_json(const marker::Detection& d) {
-  return {{"x", d.centre_px.x()},
-          {"y", d.centre_px.y()},
-          {"cov_px2", {d.cov_px2(0, 0), d.cov_px2(0, 1), d.cov_px2(1, 1)}},
-          {"major_px", d.ellipse.major_px},
-          {"minor_px", d.ellipse.minor_px},
-          {"angle_rad", d.ellipse.angle_rad},
-          {"rings", d.rings},
-          {"status", to_string(d.status)}};
-}
 
 /// @param[out] complete  false where the detector's tables were full: what it found is valid, but not all.
 std::vector<marker::Detection> detect_in(const cv::Mat& grey, const std::string& file, bool& complete) {
