@@ -154,12 +154,15 @@ TrustShotView::TrustShotView(TrustShot& shot) : rings_(shot.rings.begin(), shot.
   for (const lidar::Sweep& view : views_) sweeps_.emplace_back(&view, 1);
 }
 
+calib::Session TrustSession::session(const store::Record* installed) const {
+  return {
+      .device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_, .installed = installed};
+}
+
 Status TrustSession::calibrate(const calib::DetectedShot& shot, const store::Record* installed,
                                calib::Observer* observer) {
   arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
-  const calib::Session session{
-      .device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_, .installed = installed};
-  return calib::calibrate(session, shot, SteadyClock(), arenas_, *outcome_, observer);
+  return calib::calibrate(session(installed), shot, SteadyClock(), arenas_, *outcome_, observer);
 }
 
 const calib::Outcome& TrustSession::run(TrustShot& shot, const store::Record* installed) {

@@ -82,6 +82,7 @@ class TrustSession {
                    calib::Observer* observer = nullptr);
   const calib::Outcome& outcome() const { return *outcome_; }
   const map::RoomMap& map() const { return map_.map; }
+  calib::Session session(const store::Record* installed) const;
 
  private:
   LoadedMap map_;
