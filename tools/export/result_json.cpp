@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/common/error.h"
+#include "tools/common/matrix_json.h"
 
 namespace roomcal::tools {
 
@@ -12,43 +13,19 @@ using nlohmann::json;
 
 namespace {
 
-template <int N>
-Eigen::Matrix<double, N, N> matrix(const json& rows) {
-  Eigen::Matrix<double, N, N> m;
-  if (!rows.is_array() || rows.size() != N) throw ToolError("a matrix has not " + std::to_string(N) + " rows");
-  for (std::size_t r = 0; r < N; ++r)
-    for (std::size_t c = 0; c < N; ++c) m(static_cast<int>(r), static_cast<int>(c)) = rows.at(r).at(c).get<double>();
-  return m;
-}
-
-camera::Intrinsics intrinsics(const json& in) {
-  const bool radtan = in.at("model") == "pinhole_radtan";
-  if (!radtan && in.at("model") != "kannala_brandt") throw ToolError("a camera model that is not known");
-  camera::Intrinsics k;
-  k.model = radtan ? camera::Model::kPinholeRadtan : camera::Model::kKannalaBrandt;
-  k.width_px = in.at("width_px");
-  k.height_px = in.at("height_px");
-  k.fx_px = in.at("fx_px");
-  k.fy_px = in.at("fy_px");
-  k.cx_px = in.at("cx_px");
-  k.cy_px = in.at("cy_px");
-  k.distortion = in.at("distortion").get<std::array<double, camera::kDistortionCount>>();
-  return k;
-}
-
 store::SensorRecord sensor(const std::string& name, const json& in) {
   store::SensorRecord out;
   if (name.size() > 31) throw ToolError("a sensor's name of more than 31 characters");
   out.name = std::string_view(name);
   out.kind = in.value("kind", "camera") == "lidar" ? store::SensorKind::kLidar : store::SensorKind::kCamera;
   out.model = std::string_view(in.value("model", std::string()));
-  const Mat44 T = matrix<4>(in.at("T_rig_sensor"));
+  const Mat44 T = matrix_of<4>(in.at("T_rig_sensor"));
   out.T_rig_sensor = {T.topLeftCorner<3, 3>(), T.topRightCorner<3, 1>()};
-  const Mat66 cov = matrix<6>(in.at("covariance"));
+  const Mat66 cov = matrix_of<6>(in.at("covariance"));
   out.cov_rig_sensor = 0.5 * (cov + cov.transpose());
   if (out.kind == store::SensorKind::kCamera) {
     if (!in.contains("intrinsics")) throw ToolError(name + " has no intrinsics; run `roomcal calibrate` again");
-    out.intrinsics = intrinsics(in.at("intrinsics"));
+    out.intrinsics = parse_intrinsics(in.at("intrinsics"));
   }
   out.evidence.detections = in.value("detections", 0U);
   out.evidence.inliers = in.value("inliers", 0U);
@@ -91,6 +68,21 @@ store::Record parse(const std::string& text) {
 }
 
 }  // namespace
+
+camera::Intrinsics parse_intrinsics(const nlohmann::json& in) {
+  const bool radtan = in.at("model") == "pinhole_radtan";
+  if (!radtan && in.at("model") != "kannala_brandt") throw ToolError("a camera model that is not known");
+  camera::Intrinsics k;
+  k.model = radtan ? camera::Model::kPinholeRadtan : camera::Model::kKannalaBrandt;
+  k.width_px = in.at("width_px");
+  k.height_px = in.at("height_px");
+  k.fx_px = in.at("fx_px");
+  k.fy_px = in.at("fy_px");
+  k.cx_px = in.at("cx_px");
+  k.cy_px = in.at("cy_px");
+  k.distortion = in.at("distortion").get<std::array<double, camera::kDistortionCount>>();
+  return k;
+}
 
 store::Record parse_result(const std::string& name, const std::string& text) {
   try {

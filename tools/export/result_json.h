@@ -2,9 +2,15 @@
 
 #include <string>
 
+#include <nlohmann/json.hpp>
+
+#include "runtime/camera/intrinsics.h"
 #include "runtime/store/record.h"
 
 namespace roomcal::tools {
+
+/// A camera's `intrinsics` in a result or an exported record. @throws ToolError or an exception of the JSON library.
+camera::Intrinsics parse_intrinsics(const nlohmann::json& in);
 
 /// The record in a result of `roomcal calibrate --json`.
 /// @param name  of the file, for messages.

@@ -1,13 +1,12 @@
 #include "tools/map/map_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "tools/common/error.h"
 #include "tools/map/assets.h"
 #include "tools/map/map_builder.h"
-#include "tools/map/map_info.h"
+#include "tools/map/room_json.h"
 #include "tools/page/page.h"
 
 namespace roomcal::tools {
@@ -16,52 +15,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A micrometre, or a millionth: more digits would only make the largest maps' pages large.
-double rounded(double value) { return std::round(1e6 * value) / 1e6; }
-
-Json to_json(const Vec3& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
-
-Json markers_of(const MapData& data) {
-  Json markers = Json::array();
-  for (const map::MapMarker& m : data.markers) {
-    markers.push_back({{"id", m.id},
-                       {"p", to_json(m.p_room)},
-                       {"n", m.has_normal ? to_json(m.normal_room) : Json()},
-                       {"r", m.has_radius ? Json(rounded(m.radius_m)) : Json()},
-                       {"sigma_mm", rounded(1e3 * largest_sigma_m(m.cov_m2))},
-                       {"plane", m.plane}});
-  }
-  return markers;
-}
-
-Json planes_of(const MapData& data, const Json& description) {
-  Json planes = description.at("planes");
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    planes[i]["outline"] = Json::array();
-    for (const Vec3& vertex : data.planes[i].outline_room) planes[i]["outline"].push_back(to_json(vertex));
-  }
-  return planes;
-}
-
-Json edges_of(const MapData& data) {
-  Json lines = Json::array();
-  for (const map::MapLine& line : data.lines) {
-    lines.push_back({{"from", to_json(line.from_room)}, {"to", to_json(line.to_room)}});
-  }
-  return lines;
-}
-
-Json corners_of(const MapData& data) {
-  Json corners = Json::array();
-  for (const map::MapCorner& corner : data.corners) corners.push_back(to_json(corner.p_room));
-  return corners;
-}
-
 Json looks_of(const Coverage& coverage) {
   Json looks = Json::array();
   for (const SampleView& view : coverage.views) {
-    looks.push_back({{"at", to_json(view.T_room_cam.t)},
-                     {"along", to_json(view.T_room_cam.R.col(2))},
+    looks.push_back({{"at", rounded(view.T_room_cam.t)},
+                     {"along", rounded(view.T_room_cam.R.col(2))},
                      {"markers", view.markers},
                      {"located", view.located},
                      {"sigma_mm", rounded(1e3 * view.sigma_m)}});
@@ -112,16 +70,13 @@ Json bake_of(const Json& bake) {
 std::string map_report(const map::RoomMap& map, const Json& description, const MapQuality& quality, const Json& bake) {
   const MapData data = to_map_data(map);
   if (!bake.is_null()) check_same_map(data, bake);
-  const Json content{{"map", description},
-                     {"markers", markers_of(data)},
-                     {"planes", planes_of(data, description)},
-                     {"lines", edges_of(data)},
-                     {"corners", corners_of(data)},
-                     {"path", list_at(bake, Json::json_pointer("/path"))},
-                     {"looks", looks_of(quality.coverage)},
-                     {"advice", quality.advice},
-                     {"bake", bake_of(bake)}};
-  return make_page("Room map " + description.at("id").get<std::string>(), {map_assets::map_report_js}, content);
+  Json content = room_json(data);
+  content["map"] = description;
+  content["path"] = list_at(bake, Json::json_pointer("/path"));
+  content["looks"] = looks_of(quality.coverage);
+  content["advice"] = quality.advice;
+  content["bake"] = bake_of(bake);
+  return make_page("Room map " + description.at("id").get<std::string>(), {}, {map_assets::map_report_js}, content);
 }
 
 }  // namespace roomcal::tools

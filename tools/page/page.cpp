@@ -29,7 +29,7 @@ std::string embedded(const nlohmann::ordered_json& data) {
 
 }  // namespace
 
-std::string make_page(const std::string& title, std::initializer_list<std::string_view> scripts,
+std::string make_page(const std::string& title, std::string_view style, std::initializer_list<std::string_view> scripts,
                       const nlohmann::ordered_json& data) {
   std::string script;
   for (const std::string_view part : {page_assets::camera_js, page_assets::scene_js, page_assets::parts_js})
@@ -37,11 +37,12 @@ std::string make_page(const std::string& title, std::initializer_list<std::strin
   for (const std::string_view part : scripts) script.append(part);
   replace_all(script, "\"use strict\";\n", "");
   // Cut, not searched and replaced: what is filled in may itself hold a word in braces.
-  const std::pair<std::string_view, std::string> fills[] = {{"{{title}}", escaped(title)},
-                                                            {"{{style}}", std::string(page_assets::style_css)},
-                                                            {"{{theme}}", std::string(page_assets::theme_js)},
-                                                            {"{{data}}", embedded(data)},
-                                                            {"{{script}}", "\"use strict\";\n" + script}};
+  const std::pair<std::string_view, std::string> fills[] = {
+      {"{{title}}", escaped(title)},
+      {"{{style}}", std::string(page_assets::style_css).append(style)},
+      {"{{theme}}", std::string(page_assets::theme_js)},
+      {"{{data}}", embedded(data)},
+      {"{{script}}", "\"use strict\";\n" + script}};
   std::string page;
   std::string_view rest = page_assets::page_html;
   for (const auto& [name, fill] : fills) {

@@ -16,7 +16,9 @@ const vec = {
 //   scene.add({ kind: "polygon", points, normal, fill, stroke, layer });   // faces turned away are left out
 //   scene.add({ kind: "line", points, colour, width, layer, dash });
 //   scene.add({ kind: "point", at, colour, size, layer, tip, key });
-//   scene.add({ kind: "label", at, text, layer });
+//   scene.add({ kind: "label", at, text, colour, layer });          // kept apart from each other, with a leader if need be
+//   scene.add({ kind: "group", at, parts, layer });                 // parts() -> lines, asked on every draw
+//   scene.add({ kind: "cloud", points_mm, face, normals, bins: [{ colour, list }], size, layer });  // flat x y z, mm
 //   scene.addFrustum(T_room_cam, tan_x, tan_y, { length, colour, layer, text });
 //   scene.frame(points); scene.draw();
 //
@@ -33,6 +35,7 @@ class Scene {
     this.pointers = new Map();
     this.camera = new OrbitCamera([0, 0, 0], 1);
     this.floor = null;
+    this.colours = {};
     canvas.tabIndex = 0;
     this.listen();
   }
@@ -70,7 +73,11 @@ class Scene {
     this.camera.keepHome();
   }
 
-  colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
+  /** A colour of the theme by its CSS name; asked for every thing, so kept until the theme changes. */
+  colour(name) {
+    this.colours[name] ||= getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    return this.colours[name];
+  }
 
   schedule() {
     if (this.pending) return;
@@ -94,7 +101,9 @@ class Scene {
     this.drawGrid(g);
     const seen = this.things.filter((t) => !this.hidden.has(t.layer)).map((t) => ({ thing: t, depth: this.depthOf(t) }));
     seen.sort((a, b) => b.depth - a.depth);
+    this.labels = [];
     for (const { thing } of seen) this.paint(g, thing);
+    this.paintLabels(g, width, height);
     if (this.chosen !== null) this.things.filter((t) => t.key === this.chosen && !this.hidden.has(t.layer)).forEach((t) => this.paintChosen(g, t));
     this.drawAxes(g, height);
   }
@@ -102,6 +111,7 @@ class Scene {
   depthOf(thing) {
     if (thing.kind === "polygon") return 1e6 + this.project(thing.points[0])[2];  // walls are behind what hangs on them
     if (thing.kind === "label") return -1e6;
+    if (thing.kind === "cloud") return 5e5;  // before the walls, behind all else
     const points = thing.points || [thing.at];
     return points.reduce((sum, p) => sum + this.project(p)[2], 0) / points.length;
   }
@@ -112,7 +122,9 @@ class Scene {
     if (thing.kind === "disc") this.paintDisc(g, thing, colour);
     if (thing.kind === "line") this.paintLine(g, thing, colour);
     if (thing.kind === "point") this.paintPoint(g, thing, colour);
-    if (thing.kind === "label") this.paintLabel(g, thing);
+    if (thing.kind === "label") this.labels.push(thing);
+    if (thing.kind === "group") thing.parts().forEach((part) => this.paint(g, part));
+    if (thing.kind === "cloud") this.paintCloud(g, thing);
   }
 
   trace(g, points, close) {
@@ -169,11 +181,30 @@ class Scene {
   paintLine(g, thing, colour) {
     this.trace(g, thing.points, false);
     g.strokeStyle = colour;
+    g.globalAlpha = thing.alpha || 1;
     g.lineWidth = thing.width || 1;
     g.setLineDash(thing.dash || []);
     g.lineJoin = "round";
     g.stroke();
     g.setLineDash([]);
+    g.globalAlpha = 1;
+  }
+
+  // Points of a surface that is seen from behind are left out, as its wall is. No array a point: there are ten thousands.
+  paintCloud(g, { points_mm, face, normals, bins, size = 2 }) {
+    const { right, up, back } = this.camera.axes(), [cx, cy, cz] = this.camera.centre, eye = this.eye;
+    const width = this.canvas.clientWidth, height = this.canvas.clientHeight, focal = this.camera.focal(width, height);
+    for (const { colour, list } of bins) {
+      g.fillStyle = colour;
+      for (const i of list) {
+        const px = points_mm[3 * i] / 1000, py = points_mm[3 * i + 1] / 1000, pz = points_mm[3 * i + 2] / 1000, n = normals[face[i]];
+        if (n && n[0] * (eye[0] - px) + n[1] * (eye[1] - py) + n[2] * (eye[2] - pz) < 0) continue;
+        const x = px - cx, y = py - cy, z = pz - cz, depth = this.camera.distance - (x * back[0] + y * back[1] + z * back[2]);
+        if (depth <= 0.01) continue;
+        const scale = focal / depth;
+        g.fillRect(width / 2 + scale * (x * right[0] + y * right[1] + z * right[2]) - size / 2, height / 2 - scale * (x * up[0] + y * up[1] + z * up[2]) - size / 2, size, size);
+      }
+    }
   }
 
   paintPoint(g, thing, colour) {
@@ -186,15 +217,41 @@ class Scene {
     if (thing.tip) this.targets.push({ x, y, depth, thing });
   }
 
-  paintLabel(g, thing) {
-    const [x, y, depth] = this.project(thing.at);
-    if (depth <= 0.01) return;
-    g.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+  // Labels from the top down, each in the nearest free place around what it names; one that had to go far gets a leader.
+  paintLabels(g, width, height) {
+    const taken = [], size = 12, places = [[8, -8], [8, 16], [-8, -8], [-8, 16], ...[...Array(40).keys()].map((i) => {
+      const a = (i * Math.PI) / 5 - Math.PI / 3, r = 26 + 13 * Math.floor(i / 10);
+      return [r * Math.cos(a), r * Math.sin(a)];
+    })];
+    g.font = `${size}px system-ui, 'DejaVu Sans', sans-serif`;
+    const at = this.labels.map((thing) => ({ thing, place: this.project(thing.at), wide: g.measureText(thing.text).width })).filter(({ place }) => place[2] > 0.01);
+    for (const { thing, place: [x, y], wide } of at.sort((a, b) => a.place[1] - b.place[1])) {
+      const boxOf = ([dx, dy]) => ({ x: dx < 0 ? x + dx - wide : x + dx, y: y + dy - size, w: wide, h: size + 3 });
+      const free = (box) => box.x > 0 && box.y > 0 && box.x + box.w < width && box.y + box.h < height
+        && taken.every((t) => box.x > t.x + t.w + 4 || t.x > box.x + box.w + 4 || box.y > t.y + t.h || t.y > box.y + box.h);
+      const offset = places.find((place) => free(boxOf(place))) || places[0], box = boxOf(offset);
+      taken.push(box);
+      this.paintLabel(g, thing, box, [x, y], Math.hypot(...offset) > 20);
+    }
+  }
+
+  paintLabel(g, thing, box, at, leader) {
+    const colour = typeof thing.colour === "function" ? thing.colour() : thing.colour || this.colour("--soft");
+    if (leader) {
+      g.beginPath();
+      g.moveTo(...at);
+      g.lineTo(box.x + (at[0] < box.x ? 0 : at[0] > box.x + box.w ? box.w : box.w / 2), box.y + box.h / 2);
+      g.strokeStyle = colour;
+      g.globalAlpha = 0.5;
+      g.lineWidth = 1;
+      g.stroke();
+      g.globalAlpha = 1;
+    }
     g.lineWidth = 3;
     g.strokeStyle = this.colour("--card");
-    g.strokeText(thing.text, x + 6, y - 6);
-    g.fillStyle = this.colour("--soft");
-    g.fillText(thing.text, x + 6, y - 6);
+    g.strokeText(thing.text, box.x, box.y + box.h - 4);
+    g.fillStyle = colour;
+    g.fillText(thing.text, box.x, box.y + box.h - 4);
   }
 
   paintChosen(g, thing) {
@@ -287,7 +344,7 @@ class Scene {
     c.addEventListener("wheel", (e) => { e.preventDefault(); this.camera.zoom(Math.exp(Math.sign(e.deltaY) * Math.min(120, Math.abs(e.deltaY)) * 0.0012)); this.schedule(); }, { passive: false });
     c.addEventListener("keydown", (e) => this.key(e, focal()));
     new ResizeObserver(() => this.schedule()).observe(c);
-    document.addEventListener("themechange", () => this.schedule());
+    document.addEventListener("themechange", () => { this.colours = {}; this.schedule(); });
   }
 
   spread() {
