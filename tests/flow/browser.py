@@ -10,11 +10,15 @@ import tempfile
 import time
 
 
+def find_chromium():
+    return next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
 class Browser:
     """One page. Every call ends within `timeout_s` or raises."""
 
     def __init__(self, timeout_s=60):
-        program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+        program = find_chromium()
         if program is None:
             raise RuntimeError("no Chromium; install it with tools/setup --tests")
         self.timeout_s = timeout_s

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page of `roomcal map info --report` in a real browser: it draws, turns, zooms, sorts, and says nothing wrong.
 
-usage: map_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]
+usage: map_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]; exit status 77, the reason on stdout: no Chromium here
 """
 
 import json
@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 
-from browser import Browser
+from browser import Browser, find_chromium
 
 ROOMCAL = pathlib.Path(sys.argv[1])
 PICTURES = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
@@ -223,4 +223,7 @@ class MapPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    if find_chromium() is None:
+        print("skipped: no Chromium; install it with tools/setup --tests")
+        sys.exit(77)
     unittest.main(argv=[sys.argv[0]], verbosity=2)

@@ -11,6 +11,7 @@
 #include "tools/map/map_command.h"
 #include "tools/plan/plan_command.h"
 #include "tools/provision/provision_command.h"
+#include "tools/report/report_command.h"
 #include "tools/sheets/sheets_command.h"
 #include "tools/simulate/simulate_command.h"
 #include "tools/sweep/sweep_command.h"
@@ -33,6 +34,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_plan_command(app, exit_code);
   add_provision_command(app, exit_code);
   add_record_command(app, exit_code);
+  add_report_command(app, exit_code);
   add_sheets_command(app);
   add_simulate_command(app, exit_code);
   add_sweep_command(app, exit_code);
