@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "runtime/base/names.h"
 #include "runtime/store/record.h"
 
 namespace roomcal::store {
@@ -16,18 +17,6 @@ constexpr double kPsdTolerance = 1e-5;       // of the largest eigenvalue: round
 constexpr double kSameAsReference_m = 1e-9;  // two sensors never share an origin and axes this well
 
 constexpr Status corrupt(const char* detail) { return {StatusCode::kCorrupt, detail}; }
-
-// Names go into YAML keys, XML attributes and the console as they are.
-bool is_name(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  });
-}
-
-bool is_text(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
-}
 
 bool is_transform(const SE3& T) {
   return T.R.allFinite() && T.t.allFinite() && T.t.cwiseAbs().maxCoeff() <= kMaxTranslation_m &&
@@ -55,7 +44,7 @@ bool is_intrinsics(const camera::Intrinsics& k) {
 
 Status check_sensor(const SensorRecord& sensor, bool is_reference) {
   if (!is_name(sensor.name.view())) return corrupt("a sensor's name is empty or not of letters, digits, _ - .");
-  if (!is_text(sensor.model.view()) || !is_text(sensor.serial.view()))
+  if (!is_printable(sensor.model.view()) || !is_printable(sensor.serial.view()))
     return corrupt("a sensor's model or serial is not printable");
   if (sensor.kind != SensorKind::kCamera && sensor.kind != SensorKind::kLidar)
     return corrupt("a sensor of unknown kind");
@@ -85,8 +74,9 @@ bool is_stamped(const Record& record) {
 Status check_record(const Record& record) {
   if (!is_stamped(record)) return corrupt("the record's verdict, action, generation or figures are not valid");
   for (const Reason& reason : record.reasons)
-    if (!is_text(reason.view())) return corrupt("a reason is not printable");
-  if (!is_text(record.map_id.view()) || !is_text(record.firmware_id.view()) || !is_text(record.device_serial.view()))
+    if (!is_printable(reason.view())) return corrupt("a reason is not printable");
+  if (!is_printable(record.map_id.view()) || !is_printable(record.firmware_id.view()) ||
+      !is_printable(record.device_serial.view()))
     return corrupt("an identifier is not printable");
   if (record.sensors.empty()) return corrupt("the record holds no sensor");
   if (record.reference >= record.sensors.size()) return corrupt("the record's reference is not one of its sensors");
