@@ -80,6 +80,20 @@ bool parse_finite(std::string_view text, double& value) {
   return true;
 }
 
+std::string yaml_quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ' || byte == 0x7F) {
+      result += fmt::format("\\x{:02x}", byte);
+      continue;
+    }
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "\"";
+}
+
 YamlText::YamlText(std::string name, const std::string& text) : name_(std::move(name)) {
   if (text.size() > kMaxBytes) throw ToolError(name_ + ": larger than 64 MiB; is this the right file?");
   if (text.find('\0') != std::string::npos) throw ToolError(name_ + ": not a text file; is this the right file?");

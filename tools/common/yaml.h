@@ -16,6 +16,9 @@ namespace roomcal::tools {
 /// A finite number and nothing else; "nan", "inf", "1.0m" and "" are not. Independent of the locale.
 bool parse_finite(std::string_view text, double& value);
 
+/// A text in double quotes, so that no YAML reader takes it for something else and every one gives the same text back.
+std::string yaml_quoted(std::string_view text);
+
 /// A YAML text and the name it is known by, for messages "name:line: what is wrong".
 ///
 /// Strict readers: whatever is missing, of another kind or not finite throws ToolError with the line and the remedy.

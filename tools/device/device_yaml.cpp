@@ -150,16 +150,6 @@ class DeviceReader {
   const YamlText& yaml_;
 };
 
-// Whatever a YAML reader could take for something else than the plain text that it is.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result + "\"";
-}
-
 std::string rows_text(const SE3& pose) {
   std::string text;
   const Mat44 T = pose.matrix();
@@ -182,8 +172,8 @@ std::string nominal_text(const NominalMount& nominal) {
 }
 
 std::string sensor_text(const Sensor& sensor) {
-  std::string text = "  - name: " + quoted(sensor.name) + "\n";
-  if (!sensor.serial.empty()) text += "    serial: " + quoted(sensor.serial) + "\n";
+  std::string text = "  - name: " + yaml_quoted(sensor.name) + "\n";
+  if (!sensor.serial.empty()) text += "    serial: " + yaml_quoted(sensor.serial) + "\n";
   const bool is_camera = sensor.kind == SensorKind::kCamera;
   const std::string driver = is_camera ? to_text(sensor.camera_wiring) : to_text(sensor.lidar_wiring);
   if (is_camera) {
@@ -197,9 +187,9 @@ std::string sensor_text(const Sensor& sensor) {
       text += fmt::format("    intrinsics_sigma: {{focal_px: {}, principal_px: {}, distortion_px: {}}}\n",
                           sigma->focal_px, sigma->principal_px, sigma->distortion_px);
   } else {
-    text += "    kind: lidar\n    model: " + quoted(sensor.lidar_model) + "\n";
-    if (!sensor.file.empty()) text += "    file: " + quoted(sensor.file) + "\n";
-    if (!sensor.calibration_file.empty()) text += "    calibration: " + quoted(sensor.calibration_file) + "\n";
+    text += "    kind: lidar\n    model: " + yaml_quoted(sensor.lidar_model) + "\n";
+    if (!sensor.file.empty()) text += "    file: " + yaml_quoted(sensor.file) + "\n";
+    if (!sensor.calibration_file.empty()) text += "    calibration: " + yaml_quoted(sensor.calibration_file) + "\n";
   }
   if (sensor.turntable) text += turntable_text(*sensor.turntable);
   if (!driver.empty()) text += "    driver: " + driver + "\n";
@@ -218,8 +208,9 @@ Device parse_device_yaml(const std::string& where, const std::string& text) {
 std::string to_device_yaml(const Device& device) {
   std::string text = fmt::format(
       "# Made by roomcal; T_rig_sensor maps points of the sensor to the rig frame, metres.\nversion: {}\n", kVersion);
-  text += "name: " + quoted(device.name) + (device.serial.empty() ? "" : "\nserial: " + quoted(device.serial)) +
-          "\nrig_frame: " + quoted(device.rig_frame) + "\nsensors:\n";
+  text += "name: " + yaml_quoted(device.name) +
+          (device.serial.empty() ? "" : "\nserial: " + yaml_quoted(device.serial)) +
+          "\nrig_frame: " + yaml_quoted(device.rig_frame) + "\nsensors:\n";
   for (const Sensor& sensor : device.sensors) text += sensor_text(sensor);
   if (const std::string grab = to_text(device.grab); !grab.empty()) text += "grab: " + grab + "\n";
   return text + limits_text(device.limits) + wiring_text(device.wiring);

@@ -126,12 +126,12 @@ class FieldWriter {
   }
   template <typename Text>
   void text(std::string_view key, Text& value) {
-    items_.push_back(fmt::format("{}: {}", key, quoted(value.view())));
+    items_.push_back(fmt::format("{}: {}", key, yaml_quoted(value.view())));
   }
   template <typename Texts>
   void texts(std::string_view key, Texts& values) {
     std::vector<std::string> all;
-    for (const auto& value : values) all.push_back(quoted(value.view()));
+    for (const auto& value : values) all.push_back(yaml_quoted(value.view()));
     items_.push_back(fmt::format("{}: [{}]", key, fmt::join(all, ", ")));
   }
   template <typename Number>
@@ -141,14 +141,6 @@ class FieldWriter {
   void flag(std::string_view key, bool& value) { items_.push_back(fmt::format("{}: {}", key, value)); }
 
  private:
-  static std::string quoted(std::string_view text) {
-    std::string result = "\"";
-    for (const char c : text) {
-      if (c == '"' || c == '\\') result += '\\';
-      result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-    return result + "\"";
-  }
   std::vector<std::string> items_;
 };
 
@@ -192,7 +184,8 @@ profile::Wiring read_wiring(const YamlText& yaml, const YAML::Node& node) {
   });
   if (const YAML::Node replay = node["replay"]; replay.IsDefined()) {
     const std::string folder = yaml.text(replay, "wiring: replay");
-    if (folder.size() > profile::PathText::capacity()) yaml.fail(replay, "wiring: replay: the path is too long");
+    if (folder.size() > profile::PathText::capacity())
+      yaml.fail(replay, fmt::format("wiring: replay: at most {} characters", profile::PathText::capacity()));
     wiring.replay_folder = std::string_view(folder);
   }
   return wiring;
@@ -208,7 +201,7 @@ std::string wiring_text(const profile::Wiring& wiring) {
   walk_sections(copy, [&](std::string_view key, const auto& section) {
     if (const std::string fields = write(section); !fields.empty()) text += fmt::format("  {}: {}\n", key, fields);
   });
-  if (!wiring.replay_folder.empty()) text += fmt::format("  replay: \"{}\"\n", wiring.replay_folder.view());
+  if (!wiring.replay_folder.empty()) text += fmt::format("  replay: {}\n", yaml_quoted(wiring.replay_folder.view()));
   return text.empty() ? text : "wiring:\n" + text;
 }
 

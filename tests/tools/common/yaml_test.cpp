@@ -32,6 +32,16 @@ TEST(ParseFinite, AnythingElse_IsRefusedAndLeavesTheValue) {
   }
 }
 
+TEST(YamlQuoted, EveryByteThatATextMayHold_ComesBack) {
+  std::string all;
+  for (int c = 1; c < 128; ++c) all += static_cast<char>(c);
+  all += "\xC3\xA9";  // UTF-8 passes as it is
+  for (const std::string& text : {std::string("plain"), std::string("a: [b, c] # d"), std::string("yes"), all}) {
+    const YamlText yaml("f.yaml", "key: " + yaml_quoted(text) + "\n");
+    EXPECT_EQ(yaml.text(yaml.root()["key"], "key"), text);
+  }
+}
+
 TEST(YamlText, NotAMap_IsRefused) {
   EXPECT_TRUE(contains(refusal_of(""), "f.yaml: empty"));
   EXPECT_TRUE(contains(refusal_of("# only a comment\n"), "f.yaml: empty"));
