@@ -9,6 +9,7 @@
 #include "runtime/math/se3.h"
 #include "runtime/rig/camera_rig.h"
 #include "runtime/scan/sensor_model.h"
+#include "runtime/store/record.h"
 
 namespace roomcal::calib {
 
@@ -36,6 +37,7 @@ struct CameraSpec {
   double sigma_px = 0;
   /// How far off the intrinsics may be, where they are refined along.
   camera::IntrinsicsSigma intrinsics_sigma = {};
+  store::Serial serial = {};  ///< for the record; may be empty
 };
 
 struct LidarSpec {
@@ -43,6 +45,7 @@ struct LidarSpec {
   SensorName model;  ///< "vlp16", ...: for the record
   scan::SensorModel ranges;
   NominalMounting nominal;
+  store::Serial serial = {};  ///< for the record; may be empty
 };
 
 /// The device as provisioned. The rig frame is the frame of the reference camera.

@@ -6,10 +6,11 @@ namespace roomcal::calib {
 
 namespace {
 
-store::SensorRecord to_sensor(const CameraOutcome& camera) {
+store::SensorRecord to_sensor(const CameraOutcome& camera, const CameraSpec& spec) {
   store::SensorRecord sensor;
   sensor.name = camera.name;
   sensor.kind = store::SensorKind::kCamera;
+  sensor.serial = spec.serial;
   sensor.T_rig_sensor = camera.T_rig_cam;
   sensor.cov_rig_sensor = 0.5 * (camera.cov_rig_cam + camera.cov_rig_cam.transpose());
   sensor.intrinsics = camera.camera.intrinsics();
@@ -23,6 +24,7 @@ store::SensorRecord to_sensor(const LidarOutcome& lidar, const LidarSpec& spec) 
   sensor.name = lidar.name;
   sensor.kind = store::SensorKind::kLidar;
   sensor.model = spec.model;
+  sensor.serial = spec.serial;
   sensor.T_rig_sensor = lidar.T_rig_lidar;
   sensor.cov_rig_sensor = 0.5 * (lidar.cov_rig_lidar + lidar.cov_rig_lidar.transpose());
   sensor.evidence = {lidar.location.points, lidar.location.inliers, lidar.location.rms_m, lidar.location.azimuth, 0};
@@ -58,7 +60,7 @@ Status to_record(const Outcome& outcome, const Device& device, const RecordConte
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {
     if (!outcome.cameras[i].in_rig) continue;
     if (i == outcome.reference) record.reference = record.sensors.size();
-    if (!record.sensors.push_back(to_sensor(outcome.cameras[i])))
+    if (!record.sensors.push_back(to_sensor(outcome.cameras[i], device.cameras[i])))
       return {StatusCode::kCapacity, "more sensors than a record holds"};
   }
   for (std::size_t i = 0; i < outcome.lidars.size(); ++i)

@@ -17,8 +17,12 @@ calib::NominalMounting to_mounting(const Sensor& sensor) {
 calib::CameraSpec to_spec(const Sensor& sensor, const std::string& source) {
   const Result<camera::Camera> camera = camera::Camera::create(sensor.intrinsics);
   require(camera.status(), source + ": " + sensor.name);
-  return {std::string_view(sensor.name), camera.value(), to_mounting(sensor), sensor.sigma_px,
-          sensor.intrinsics_sigma.value_or(camera::usual_sigma(sensor.intrinsics))};
+  return {std::string_view(sensor.name),
+          camera.value(),
+          to_mounting(sensor),
+          sensor.sigma_px,
+          sensor.intrinsics_sigma.value_or(camera::usual_sigma(sensor.intrinsics)),
+          std::string_view(sensor.serial)};
 }
 
 calib::LidarSpec to_lidar(const Sensor& sensor, const std::string& source) {
@@ -28,7 +32,8 @@ calib::LidarSpec to_lidar(const Sensor& sensor, const std::string& source) {
         fmt::format("{}: {}: LiDAR model '{}' is not known; `roomcal sweep --help` lists them, a terrestrial "
                     "scanner is 'tls'",
                     source, sensor.name, sensor.lidar_model));
-  return {std::string_view(sensor.name), std::string_view(sensor.lidar_model), *ranges, to_mounting(sensor)};
+  return {std::string_view(sensor.name), std::string_view(sensor.lidar_model), *ranges, to_mounting(sensor),
+          std::string_view(sensor.serial)};
 }
 
 }  // namespace

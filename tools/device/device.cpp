@@ -1,28 +1,31 @@
 #include "tools/device/device.h"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "runtime/base/fixed_text.h"
+#include "runtime/base/names.h"
 #include "runtime/camera/camera.h"
+#include "runtime/store/record.h"
 #include "tools/common/error.h"
 
 namespace roomcal::tools {
 
 namespace {
 
-constexpr std::size_t kMaxName = 31;     // SensorName of the runtime
+constexpr std::size_t kMaxName = SensorName::capacity();
 constexpr std::size_t kMaxSensors = 64;  // far above any device; a list beyond is a damaged file
 constexpr double kMaxLever_m = 100;      // no rig is larger
 constexpr double kIdentitySlack = 1e-9;
 
-bool is_name(const std::string& name) {
-  const auto fits = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
-  };
-  return !name.empty() && name.size() <= kMaxName && std::all_of(name.begin(), name.end(), fits);
+bool is_short_name(const std::string& name) { return name.size() <= kMaxName && is_name(name); }
+
+void check_serial(const std::string& serial, const std::string& where) {
+  if (serial.size() > store::Serial::capacity() || !is_printable(serial))
+    throw ToolError(
+        fmt::format("{}: serial `{}`; use at most {} characters of ASCII", where, serial, store::Serial::capacity()));
 }
 
 bool is_identity(const SE3& T) {
@@ -55,9 +58,10 @@ const Sensor* Device::find(const std::string& sensor) const {
 void check_device(const Device& device, const std::string& where) {
   if (device.sensors.empty()) throw ToolError(where + ": no sensors; a device has one at least");
   if (device.sensors.size() > kMaxSensors) throw ToolError(fmt::format("{}: more than {} sensors", where, kMaxSensors));
+  check_serial(device.serial, where);
   std::set<std::string> names;
   for (const Sensor& sensor : device.sensors) {
-    if (!is_name(sensor.name)) {
+    if (!is_short_name(sensor.name)) {
       throw ToolError(fmt::format("{}: sensor name `{}`; use 1 to {} letters, digits, `_`, `-`, `.`", where,
                                   sensor.name, kMaxName));
     }
@@ -65,6 +69,7 @@ void check_device(const Device& device, const std::string& where) {
     if (!names.insert(sensor.name).second) throw ToolError(here + ": two sensors have this name; rename one");
     if (sensor.kind == SensorKind::kCamera) require(camera::Camera::create(sensor.intrinsics).status(), here);
     if (sensor.nominal) check_nominal(*sensor.nominal, here);
+    check_serial(sensor.serial, here);
   }
   const Sensor* rig = device.find(device.rig_frame);
   if (rig == nullptr)

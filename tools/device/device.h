@@ -52,8 +52,9 @@ struct Device {
 };
 
 /// @throws ToolError "<where>: ..." for what no reader or writer may let pass: no sensors, names that are empty, too
-///         long, doubled or hold other characters than letters, digits, `_`, `-`, `.`; an unknown rig frame; a nominal
-///         mount of the rig frame that is not the identity; intrinsics that camera::Camera refuses.
+///         long, doubled or hold other characters than letters, digits, `_`, `-`, `.`; serials that a record has no
+///         room for; an unknown rig frame; a nominal mount of the rig frame that is not the identity; intrinsics that
+///         camera::Camera refuses.
 void check_device(const Device& device, const std::string& where);
 
 /// "pinhole_radtan" or "kannala_brandt".

@@ -39,6 +39,7 @@ TEST_F(ToRecord, PassedOutcome_KeepsPosesIntrinsicsAndContext) {
   RecordContext context;
   context.map_id = "hall";
   context.map_hash = 7;
+  device->cameras[2].serial = "S-2";
   context.device_serial = "d1";
   ASSERT_TRUE(to_record(*outcome, *device, context, *record).ok());
   ASSERT_EQ(record->sensors.size(), 3U);
@@ -46,6 +47,8 @@ TEST_F(ToRecord, PassedOutcome_KeepsPosesIntrinsicsAndContext) {
   EXPECT_EQ(record->sensors[2].T_rig_sensor.t, Vec3(0.1, 0.2, 2));
   EXPECT_EQ(record->sensors[2].intrinsics.fx_px, 402);
   EXPECT_EQ(record->sensors[0].evidence.detections, 20U);
+  EXPECT_EQ(record->sensors[2].serial.view(), "S-2");
+  EXPECT_TRUE(record->sensors[0].serial.empty());
   EXPECT_EQ(record->map_id.view(), "hall");
   EXPECT_EQ(record->verdict, Verdict::kPass);
 }
