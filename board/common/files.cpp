@@ -51,8 +51,10 @@ Status load_profile(const std::string& path, LoadedFiles& files, Reason& why) {
   FileBytes file;
   ROOMCAL_TRY(read_file(path, file, why));
   files.profile = std::make_unique<profile::Profile>();
-  if (const Status read = decode_profile(file.bytes(), *files.profile); !read.ok())
-    return fail(read.code(), make_reason("%s: %s", path.c_str(), read.detail()), why);
+  Reason what;
+  if (const Status read = decode_profile(file.bytes(), *files.profile, what); !read.ok())
+    return fail(read.code(),
+                make_reason("%s: %.*s", path.c_str(), static_cast<int>(what.view().size()), what.view().data()), why);
   return ok_status();
 }
 

@@ -51,19 +51,25 @@ struct Profile {
 
 /// Reads what `roomcal provision` made. Total: any bytes give a profile or a status.
 ///
-/// @param bytes  aligned to 8.
+/// @param bytes  aligned to 8; may be longer than the profile.
 /// @param[out] profile  overwritten; means something only for kOk.
-/// @return kCorrupt (damaged, cut, impossible values), kUnsupported (another version), with what is wrong.
+/// @param[out] what  what is wrong and the remedy; empty for kOk.
+/// @return kOk; kCorrupt (damaged, cut, or values that check_profile() refuses); kUnsupported (another version, a LiDAR
+///         model or a limit that this firmware does not know); kInvalidArgument if the bytes are not aligned.
 /// Cost: linear in the size; no heap.
-Status decode_profile(std::span<const std::byte> bytes, Profile& profile);
+Status decode_profile(std::span<const std::byte> bytes, Profile& profile, Reason& what);
 
-/// What a profile must hold whoever made it: at least one camera, names unique and printable, serials unique where they
-/// are given, intrinsics that a camera can have, a reference that exists, mountings and numbers that are finite and
-/// sane, a sensor model for every LiDAR, what each chosen driver needs.
-/// @return kInvalidArgument; `what` names the thing and the remedy.
+/// Whether a device can work as a profile says, whoever made it: names and serials printable and used once, at least
+/// one camera and the reference among them, intrinsics that a camera can have, angles for every LiDAR, mountings,
+/// limits and times in their ranges, what each chosen driver needs, and no two drivers that would take each other's
+/// data.
+/// @param[out] what  the first thing that cannot work, by name and with the remedy; empty for kOk.
+/// @return kOk or kInvalidArgument. Cost: microseconds; no heap.
 Status check_profile(const Profile& profile, Reason& what);
 
-/// The sensors as the session wants them. @return kInvalidArgument for intrinsics or a LiDAR model that are none.
+/// The sensors as the session wants them, in the profile's order.
+/// @param[out] device  overwritten; means something only for kOk.
+/// @return kOk; kInvalidArgument for intrinsics or a LiDAR model that are none: a profile that was checked has neither.
 Status to_device(const Profile& profile, calib::Device& device);
 
 }  // namespace roomcal::profile

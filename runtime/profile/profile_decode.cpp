@@ -11,7 +11,9 @@ namespace {
 
 using camera::take_text;
 
-constexpr Status kTooMuch{StatusCode::kCorrupt, "the profile holds more or longer entries than its version allows"};
+constexpr Status kTooMuch{
+    StatusCode::kCorrupt,
+    "the profile holds more, longer or other entries than this firmware takes: make it anew with `roomcal provision`"};
 
 template <typename Enum>
 bool take_enum(uint8_t stored, Enum last, Enum& out) {
@@ -75,7 +77,7 @@ bool take(const fbs::OusterFormat& stored, lidar::OusterFormat& out) {
   return take_enum(stored.profile(), lidar::OusterProfile::kFiveWord, out.profile);
 }
 
-/// @return kCorrupt for beams that are none.
+/// @return kCorrupt for beams, or an Ouster's format, that are none.
 Status take_calibration(const fbs::Lidar& stored, const lidar::ModelInfo& model, lidar::Calibration& out) {
   FixedVector<lidar::Beam, lidar::kMaxBeams> beams;
   for (const fbs::Beam* beam : *stored.beams())
@@ -109,7 +111,8 @@ Status take(const fbs::Lidar& stored, LidarProfile& out) {
     return kTooMuch;
   const lidar::ModelInfo* model = calib::packets_of(out.model.view());
   if (model == nullptr)
-    return {StatusCode::kUnsupported, "the profile names a LiDAR model that this firmware does not know"};
+    return {StatusCode::kUnsupported,
+            "the profile names a LiDAR model that this firmware does not know: update the firmware"};
   return take_calibration(stored, *model, out.calibration);
 }
 
@@ -170,7 +173,8 @@ Status take_limits(const fbs::Profile& stored, calib::Limits& out) {
     const calib::LimitField* field = calib::find_limit({limit->name()->c_str(), limit->name()->size()});
     if (field == nullptr || !set_limit(out, *field, limit->value()))
       return {StatusCode::kUnsupported,
-              "the profile has a limit that this firmware does not know, or no sane number for it"};
+              "the profile has a limit that this firmware does not know, or no number for it: make it anew with the "
+              "`roomcal provision` of this firmware"};
   }
   return ok_status();
 }
@@ -180,14 +184,13 @@ void take_grab(const fbs::Grab* stored, GrabWiring& out) {
   out = {stored->patience_s(), stored->image_wait_s(), stored->max_spread_ms(), stored->still_px()};
 }
 
-}  // namespace
-
-Status decode_profile(std::span<const std::byte> bytes, Profile& profile) {
+Status decode(std::span<const std::byte> bytes, Profile& profile) {
   const Result<std::span<const std::byte>> opened = open_sealed(bytes, kProfileKind);
   ROOMCAL_TRY(opened.status());
   const std::span<const std::byte> payload = opened.value();
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(payload.data()), payload.size(), 16, 1024);
-  if (!fbs::VerifyProfileBuffer(verifier)) return {StatusCode::kCorrupt, "the profile's structure is broken"};
+  if (!fbs::VerifyProfileBuffer(verifier))
+    return {StatusCode::kCorrupt, "the profile's structure is broken: make it anew with `roomcal provision`"};
   const fbs::Profile& stored = *fbs::GetProfile(payload.data());
   profile = Profile();
   profile.reference = stored.reference();
@@ -195,10 +198,18 @@ Status decode_profile(std::span<const std::byte> bytes, Profile& profile) {
   ROOMCAL_TRY(take_sensors(stored, profile));
   ROOMCAL_TRY(take_limits(stored, profile.limits));
   take_grab(stored.grab(), profile.grab);
-  if (stored.wiring() != nullptr && !take(*stored.wiring(), profile.wiring)) return kTooMuch;
-  Reason what;
-  return check_profile(profile, what).ok() ? ok_status()
-                                           : Status(StatusCode::kCorrupt, "the profile holds values that cannot be");
+  return stored.wiring() == nullptr || take(*stored.wiring(), profile.wiring) ? ok_status() : kTooMuch;
+}
+
+}  // namespace
+
+Status decode_profile(std::span<const std::byte> bytes, Profile& profile, Reason& what) {
+  what.clear();
+  Status read = decode(bytes, profile);
+  if (!read.ok()) what = read.detail();
+  if (read.ok() && !check_profile(profile, what).ok())
+    read = {StatusCode::kCorrupt, "the profile holds values that cannot be: make it anew with `roomcal provision`"};
+  return read;
 }
 
 }  // namespace roomcal::profile

@@ -13,6 +13,8 @@ enum class Slot : std::size_t { kFactory, kA, kB, kHistory0 };
 inline constexpr std::size_t kHistoryLength = 8;
 inline constexpr std::size_t kSlotCount = static_cast<std::size_t>(Slot::kHistory0) + kHistoryLength;
 
+inline constexpr std::size_t kMaxPageBytes = 65536;
+
 /// "factory", "A", "B", "history 0", ... "history 7".
 const char* to_string(Slot slot);
 
@@ -29,7 +31,8 @@ struct Layout {
 
   /// @return kInvalidArgument for a page that is not a power of two up to 65536; kCapacity for a medium of less than
   ///         eleven slots of 1 KiB, or whose pages are larger than a slot.
-  static Result<Layout> plan(const ports::Medium& medium);
+  static Result<Layout> plan(std::size_t medium_bytes, std::size_t page_bytes);
+  static Result<Layout> plan(const ports::Medium& medium) { return plan(medium.size_bytes(), medium.page_bytes()); }
 
   std::size_t offset(Slot slot) const { return static_cast<std::size_t>(slot) * slot_bytes; }
 };

@@ -1,5 +1,6 @@
 #include "tools/provision/profile_file.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -132,9 +133,7 @@ void put(Builder& builder, const profile::Profile& profile) {
                                                        cameras_at, lidars_at, limits_at, grab, wiring));
 }
 
-}  // namespace
-
-AlignedBytes build_profile(const profile::Profile& profile) {
+AlignedBytes to_bytes(const profile::Profile& profile) {
   Builder builder(64 * 1024);
   put(builder, profile);
   const std::span<const std::byte> payload = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
@@ -142,15 +141,29 @@ AlignedBytes build_profile(const profile::Profile& profile) {
   AlignedBytes bytes(sizeof header + payload.size());
   std::memcpy(bytes.span().data(), &header, sizeof header);
   std::memcpy(bytes.span().data() + sizeof header, payload.data(), payload.size());
+  return bytes;
+}
+
+}  // namespace
+
+AlignedBytes build_profile(const profile::Profile& profile) {
+  Reason what;
+  if (!check_profile(profile, what).ok()) throw ToolError("profile: " + std::string(what.view()));
+  AlignedBytes bytes = to_bytes(profile);
   const auto back = std::make_unique<profile::Profile>();
-  require(profile::decode_profile(bytes.span(), *back), "profile");
+  if (!profile::decode_profile(bytes.span(), *back, what).ok()) throw ToolError("profile: " + std::string(what.view()));
+  const AlignedBytes again = to_bytes(*back);
+  if (!std::ranges::equal(bytes.span(), again.span()))
+    throw ToolError("profile: a field does not come back as it was written; this is a bug of ours, please report it");
   return bytes;
 }
 
 profile::Profile read_profile(const std::filesystem::path& path) {
   const AlignedBytes bytes = read_bytes(path);
   profile::Profile profile;
-  require(profile::decode_profile(bytes.span(), profile), path.string());
+  Reason what;
+  if (!profile::decode_profile(bytes.span(), profile, what).ok())
+    throw ToolError(path.string() + ": " + std::string(what.view()));
   return profile;
 }
 
