@@ -7,6 +7,7 @@
 #include "tools/evaluate/scene_map.h"
 #include "tools/export/record_file.h"
 #include "tools/map/map_builder.h"
+#include "tools/provision/factory_record.h"
 #include "tools/provision/profile_file.h"
 #include "tools/provision/to_profile.h"
 #include "tools/simulate/make_room.h"

@@ -10,6 +10,7 @@
 #include "tools/device/device_yaml.h"
 #include "tools/export/record_file.h"
 #include "tools/export/result_json.h"
+#include "tools/provision/factory_record.h"
 #include "tools/provision/profile_file.h"
 #include "tools/provision/to_profile.h"
 
@@ -25,30 +26,22 @@ struct Arguments {
   fs::path factory;
 };
 
-store::Record choose_factory(const Arguments& arguments, const profile::Profile& profile) {
-  if (arguments.factory.empty()) return factory_record(profile);
-  store::Record record = arguments.factory.extension() == ".json"
-                             ? parse_result(arguments.factory.string(), read_text(arguments.factory))
-                             : read_record(arguments.factory);
-  record.device_serial = profile.serial;
-  for (const store::SensorRecord& sensor : record.sensors) {
-    const auto same = [&](const auto& other) { return other.name.view() == sensor.name.view(); };
-    if (std::none_of(profile.cameras.begin(), profile.cameras.end(), same) &&
-        std::none_of(profile.lidars.begin(), profile.lidars.end(), same))
-      throw ToolError(fmt::format("{}: {} is not a sensor of {}", arguments.factory.string(), sensor.name.view(),
-                                  arguments.device.string()));
-  }
-  return record;
+store::Record read_factory(const fs::path& file) {
+  return file.extension() == ".json" ? parse_result(file.string(), read_text(file)) : read_record(file);
 }
 
+/// Everything for the two files is made before the first of them is written.
 void provision(const Arguments& arguments) {
   const auto profile = std::make_unique<profile::Profile>(to_profile(read_device(arguments.device), arguments.device));
-  const auto factory = std::make_unique<store::Record>(choose_factory(arguments, *profile));
-  fs::create_directories(arguments.folder);
-  const fs::path profile_file = arguments.folder / "device.profile", record_file = arguments.folder / "factory.record";
+  const auto factory = std::make_unique<store::Record>(
+      arguments.factory.empty() ? factory_record(*profile)
+                                : factory_record(*profile, read_factory(arguments.factory), arguments.factory));
   const AlignedBytes bytes = build_profile(*profile);
-  write_atomic(profile_file, bytes.span());
+  require(check_record(*factory), arguments.factory.empty() ? arguments.device.string() : arguments.factory.string());
+  make_folder(arguments.folder);
+  const fs::path profile_file = arguments.folder / "device.profile", record_file = arguments.folder / "factory.record";
   write_record(record_file, *factory);
+  write_atomic(profile_file, bytes.span());
   fmt::print("{}: {}, serial {}, {} cameras, {} LiDARs, {} bytes\n", profile_file.string(), profile->device.view(),
              profile->serial.empty() ? "none" : profile->serial.view(), profile->cameras.size(), profile->lidars.size(),
              bytes.span().size());

@@ -50,20 +50,12 @@ profile::LidarProfile to_lidar(const Sensor& sensor, const fs::path& folder, con
   lidar.on_turntable = sensor.turntable.has_value();
   if (sensor.turntable) lidar.turntable = *sensor.turntable;
   if (lidar.wiring.port == 0) lidar.wiring.port = model->data_port;
+  if (model->angles == lidar::AngleSource::kUnitRequired && sensor.calibration_file.empty())
+    throw ToolError(
+        fmt::format("{}: {}: its angles are the unit's own; name its file as `calibration`", where, model->product));
   const fs::path angles = sensor.calibration_file.empty() ? fs::path() : folder / sensor.calibration_file;
   lidar.calibration = read_calibration(model->model, angles);
   return lidar;
-}
-
-store::SensorRecord at_nominal(const SensorName& name, const store::Serial& serial,
-                               const calib::NominalMounting& nominal) {
-  store::SensorRecord sensor;
-  sensor.name = name;
-  sensor.serial = serial;
-  sensor.T_rig_sensor = nominal.T_rig_sensor;
-  sensor.cov_rig_sensor.diagonal().head<3>().setConstant(nominal.sigma_t_m * nominal.sigma_t_m);
-  sensor.cov_rig_sensor.diagonal().tail<3>().setConstant(nominal.sigma_rot_rad * nominal.sigma_rot_rad);
-  return sensor;
 }
 
 }  // namespace
@@ -91,36 +83,6 @@ profile::Profile to_profile(const Device& device, const fs::path& file) {
   Reason what;
   if (!check_profile(profile, what).ok()) throw ToolError(where + ": " + std::string(what.view()));
   return profile;
-}
-
-store::Record factory_record(const profile::Profile& profile) {
-  store::Record record;
-  record.action = store::Action::kProvisioned;
-  record.verdict = Verdict::kPassAdvise;
-  static_cast<void>(record.reasons.push_back("factory: nominal mounting by the drawing, not measured: calibrate"));
-  record.map_id = "none";
-  record.firmware_id = "roomcal provision";
-  record.device_serial = profile.serial;
-  for (std::size_t i = 0; i < profile.cameras.size(); ++i) {
-    const profile::CameraProfile& camera = profile.cameras[i];
-    const bool is_reference = i == profile.reference;
-    if (!is_reference && !camera.nominal.known) continue;
-    store::SensorRecord sensor =
-        is_reference ? store::SensorRecord() : at_nominal(camera.name, camera.serial, camera.nominal);
-    sensor.name = camera.name;
-    sensor.serial = camera.serial;
-    sensor.intrinsics = camera.intrinsics;
-    if (is_reference) record.reference = record.sensors.size();
-    static_cast<void>(record.sensors.push_back(sensor));
-  }
-  for (const profile::LidarProfile& lidar : profile.lidars) {
-    if (!lidar.nominal.known) continue;
-    store::SensorRecord sensor = at_nominal(lidar.name, lidar.serial, lidar.nominal);
-    sensor.kind = store::SensorKind::kLidar;
-    sensor.model = lidar.model;
-    static_cast<void>(record.sensors.push_back(sensor));
-  }
-  return record;
 }
 
 }  // namespace roomcal::tools

@@ -13,8 +13,4 @@ namespace roomcal::tools {
 ///         has room for, a reference that is no camera, a LiDAR without the angles that its model needs.
 profile::Profile to_profile(const Device& device, const std::filesystem::path& file);
 
-/// The record that a device holds before it has measured: every sensor where the drawing puts it, the drawing's
-/// tolerance as its covariance. Sensors without a nominal mounting are not in it: nobody knows where they are.
-store::Record factory_record(const profile::Profile& profile);
-
 }  // namespace roomcal::tools
