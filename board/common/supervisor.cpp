@@ -43,7 +43,7 @@ Supervisor::Supervisor(const Options& options)
                log_, can_),
       panel_(files_, clocks_, log_),
       imu_stillness_(clocks_),
-      starts_(state_file()),
+      starts_(state_file(), boot_id()),
       console_arena_(console_memory_) {}
 
 std::string Supervisor::state_file() const {
@@ -351,7 +351,13 @@ bool Supervisor::threads_answer(int64_t now_ns) const {
 }
 
 void Supervisor::serve_watchdogs(int64_t now_ns) {
-  if (threads_answer(now_ns)) panel_.feed();
+  const bool answer = threads_answer(now_ns);
+  if (answer) panel_.feed();
+  if (answer == !hangs_ || blocked_) return;
+  hangs_ = !answer;
+  log_.note("roomcald",
+            hangs_ ? "a thread does not answer: the watchdogs are no longer fed" : "all threads answer again");
+  starts_.hangs(hangs_);
 }
 
 }  // namespace roomcal::board

@@ -106,6 +106,7 @@ class Supervisor final : public face::Desk {
   bool faulted_ = false;
   int64_t lamp_test_until_ns_ = 0;
   int64_t reboot_at_ns_ = 0;
+  bool hangs_ = false;    ///< a thread does not answer
   bool blocked_ = false;  ///< selftest watchdog: nobody is fed any more
 };
 
