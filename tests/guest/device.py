@@ -19,7 +19,7 @@ _built = set()
 SETUP = """
 # A shell for the test, beside the device.
 modprobe virtio_console || say "module virtio_console cannot be loaded"
-(while :; do setsid sh -c 'exec sh </dev/hvc0 >/dev/hvc0 2>&1'; sleep 1; done) &
+(while :; do stty -echo </dev/hvc0; cat /dev/hvc0 | setsid sh >/dev/hvc0 2>&1; sleep 1; done) &
 export PATH=$PATH:/opt/test/bin
 for event in /sys/class/input/event*; do
   [ "$(cat $event/device/name)" = roomcal-keys ] && ln -s /dev/input/${event##*/} /dev/button
@@ -43,7 +43,7 @@ done
 """
 
 WIRING = """
-grab: {patience_s: 60, image_wait_s: 10}
+grab: {patience_s: PATIENCE, image_wait_s: 30}
 wiring:
   button: {kind: evdev, path: /dev/button, code: 141}
   light: {kind: led, path: /sys/class/leds/calibration}
@@ -86,8 +86,9 @@ def simulate(folder, seed=5, shots=SHOTS, sweeps=2):
          "--format", "pgm", "--shots", shots, "--sweeps", sweeps, "--seed", seed, "-o", folder / "shots"])
 
 
-def provision(simulated, folder, cameras="v4l2", wiring=WIRING, setup=SETUP + SETUP_CAN + SETUP_CAMERAS):
+def provision(simulated, folder, cameras="v4l2", wiring=WIRING, setup=SETUP + SETUP_CAN + SETUP_CAMERAS, patience_s=60):
     """A device's folder: profile, factory record, map, product, setup. cameras: "v4l2" or "replay"."""
+    wiring = wiring.replace("PATIENCE", str(patience_s))
     roomcal = host_program()
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

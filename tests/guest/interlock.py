@@ -3,7 +3,7 @@
 import time
 
 from machine import Failed
-from story import press, wait_well
+from story import press, result_event, wait_well
 
 
 def interlock(world):
@@ -17,7 +17,7 @@ def interlock(world):
         time.sleep(1)
         if machine.console.ask("status").get("still"):
             raise Failed(f"{mood}: the vehicle is believed to stand")
-        event, _, _ = press(world, seconds=world.options.patience_s + 60)
+        event, _, _ = press(world, seconds=120)
         if event.get("result") not in ("FAIL_RETRY", "ABORTED") or event.get("stored"):
             raise Failed(f"{mood}: the press ended with {event}")
         world.figure(f"{mood}: refused", event.get("reason", event.get("result")))
@@ -30,8 +30,7 @@ def interlock(world):
     mark = machine.console.mark()
     machine.gpio.press(3.3)
     vehicle.mood = "moving"
-    from story import result_event
-    event = result_event(machine, mark, world.options.patience_s + 60)
+    event = result_event(machine, mark, 120)
     if event.get("stored"):
         raise Failed(f"moved off during the grab, and yet: {event}")
     vehicle.mood = "standing"

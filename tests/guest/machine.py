@@ -310,7 +310,7 @@ class Machine:
     def run(self, line, seconds=30):
         """A command in the guest's shell, on a line of its own; its output. Failed if it does not end in order."""
         mark = self.shell.mark()
-        self.shell.send(f"{line}; echo \"<$?>\"\n")
+        self.shell.send(f"{line}\necho \"<$?>\"\n")
         match = self.shell.wait(r"(?s)(.*?)<(\d+)>\r?\n", seconds, mark)
         output = match.group(1).replace("\r", "")
         if match.group(2) != "0":
