@@ -23,8 +23,9 @@ void LineEditor::drop() {
 }
 
 void LineEditor::draw(TextWriter& echo) const {
-  echo.text("\r").text(prompt_).text(line()).text("\x1b[K");
-  if (cursor_ < size_) echo.text("\x1b[").unsigned_integer(size_ - cursor_).text("D");
+  const bool shown = !ended_ && !json_;  // a line that was ended stands above already
+  echo.text("\r").text(prompt_).text(shown ? line() : std::string_view()).text("\x1b[K");
+  if (shown && cursor_ < size_) echo.text("\x1b[").unsigned_integer(size_ - cursor_).text("D");
 }
 
 LineEvent LineEditor::feed(char raw, TextWriter& echo) {

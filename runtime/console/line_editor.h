@@ -49,7 +49,8 @@ class LineEditor {
   /// Inserts at the cursor as if typed; what does not fit is left out.
   void insert(std::string_view text, TextWriter& echo);
   void drop();
-  /// Draws prompt, line and cursor on the terminal's present line.
+  /// Draws prompt, line and cursor on the terminal's present line; of a line that was ended, or a machine's, the
+  /// prompt.
   void draw(TextWriter& echo) const;
   void set_prompt(std::string_view prompt) { prompt_ = prompt; }
 

@@ -215,6 +215,15 @@ TEST(Console, Events_FollowTheModeAndKeepWhatIsTyped) {
   EXPECT_EQ(bench.drain(), "{\"ev\":\"progress\",\"data\":{\"percent\":40}}\r\n");
 }
 
+TEST(Console, EventAfterEnter_LeavesAnEmptyPrompt) {
+  Bench bench;
+  bench.type("calibrate\x02\x02\r");
+  bench.console.event("progress", [](Reply& reply) { reply.integer("percent", 40); });
+  EXPECT_EQ(bench.drain(), "\r\x1b[K* progress\r\npercent: 40\r\n\rroomcal> \x1b[K");
+  bench.console.grant(Rights::kOperate, kSecond);
+  EXPECT_EQ(bench.drain(), "\r\x1b[K* rights\r\nnow: operate\r\n\rroomcal+> \x1b[K");
+}
+
 TEST(Console, RefusedArena_IsOutOfMemory) {
   std::vector<std::byte> block(plan_console_bytes() / 2);
   Arena arena(block);

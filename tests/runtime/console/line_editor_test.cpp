@@ -74,6 +74,22 @@ TEST(LineEditor, Redraw_PutsTheCursorBack) {
   EXPECT_EQ(terminal.echo, "ab\r> ab\x1b[K\x1b[1D\r> acb\x1b[K\x1b[1D");
 }
 
+TEST(LineEditor, RedrawAfterEnter_ShowsThePromptAlone) {
+  const auto redrawn = [](std::string_view keys) {
+    Terminal terminal;
+    terminal.type(keys);
+    char text[512];
+    TextWriter out(text);
+    terminal.editor.draw(out);
+    return std::string(out.view());
+  };
+  EXPECT_EQ(redrawn("status\r"), "\r> \x1b[K");
+  EXPECT_EQ(redrawn("status\x02\x02\r"), "\r> \x1b[K") << "nor is the cursor put anywhere";
+  EXPECT_EQ(redrawn("status\x01\xe9\r"), "\r> \x1b[K") << "noise";
+  EXPECT_EQ(redrawn("{\"cmd\":\"sta"), "\r> \x1b[K") << "a machine's line is not shown";
+  EXPECT_EQ(redrawn("status\rma"), "\r> ma\x1b[K");
+}
+
 TEST(LineEditor, History_GoesBackAndForth) {
   EXPECT_EQ(line_of("one\rtwo\rtwo\r\x1b[A\x1b[A\r"), "one");
   EXPECT_EQ(line_of("one\rtwo\r\x10\x10\x0e\r"), "two");
