@@ -19,6 +19,7 @@ namespace roomcal::drivers {
 namespace {
 
 constexpr int kMaxInterrupts = 4;
+constexpr int64_t kLook_ns = 500'000'000;  // at the interface, while nothing comes
 constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(__kernel_timespec)) + CMSG_SPACE(sizeof(uint32_t));
 
 }  // namespace
@@ -60,7 +61,7 @@ Status UdpPacketSource::refuse_buffer() {
 Status UdpPacketSource::start() {
   counters_ = {};
   drops_ = {};
-  ROOMCAL_TRY(open_udp_socket(options_, fd_, buffer_bytes_));
+  ROOMCAL_TRY(open_udp_socket(options_, fd_, buffer_bytes_, joined_));
   static_cast<void>(parse_ipv4(options_.sender, sender_));
   const Status laid_out = lay_out();
   if (!laid_out.ok()) stop();
@@ -137,6 +138,13 @@ void UdpPacketSource::read_socket_drops() {
   counters_.kernel_drops = drops_.total();
 }
 
+void UdpPacketSource::look_at_interface() {
+  const int64_t now_ns = LinuxClocks().now_ns();
+  if (now_ns - looked_ns_ < kLook_ns) return;
+  looked_ns_ = now_ns;
+  static_cast<void>(rejoin_group(fd_.get(), options_, joined_));
+}
+
 std::size_t UdpPacketSource::drain(ports::PacketVisitor& visitor) {
   if (!fd_.valid()) return 0;
   std::size_t delivered = 0, taken = 0;
@@ -145,6 +153,7 @@ std::size_t UdpPacketSource::drain(ports::PacketVisitor& visitor) {
     for (std::size_t slot = 0; slot < got; ++slot) delivered += take(slot, visitor) ? 1 : 0;
   }
   read_socket_drops();
+  if (taken == 0 && joined_ != 0) look_at_interface();
   return delivered;
 }
 

@@ -54,6 +54,7 @@ class UdpPacketSource final : public ports::PacketSource {
   bool take(std::size_t slot, ports::PacketVisitor& visitor);
   Stamp read_control(std::size_t slot);
   void read_socket_drops();
+  void look_at_interface();
 
   UdpOptions options_;
   std::span<std::byte> memory_;
@@ -62,6 +63,8 @@ class UdpPacketSource final : public ports::PacketSource {
   std::byte* payloads_ = nullptr;
   uint32_t sender_ = 0;  ///< network byte order; 0: anybody
   uint64_t buffer_bytes_ = 0;
+  unsigned joined_ = 0;  ///< number of the interface that the group was joined on; 0: there is no group
+  int64_t looked_ns_ = 0;
   DropCount drops_;
   ports::PacketCounters counters_;
   std::array<char, 160> detail_{};

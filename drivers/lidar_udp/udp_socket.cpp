@@ -77,23 +77,32 @@ Status bind_port(int fd, const UdpOptions& options) {
   return unavailable("the LiDAR's port cannot be bound");
 }
 
-Status join_group(int fd, const UdpOptions& options) {
-  if (options.group.empty()) return ok_status();
+unsigned interface_number(const UdpOptions& options) { return ::if_nametoindex(CText(options.interface).c_str()); }
+
+bool change_membership(int fd, int change, const UdpOptions& options, unsigned interface) {
   ip_mreqn request{};
   static_cast<void>(parse_ipv4(options.group, request.imr_multiaddr.s_addr));
-  request.imr_ifindex = static_cast<int>(::if_nametoindex(CText(options.interface).c_str()));
-  if (request.imr_ifindex == 0) return unavailable("no interface of the LiDAR's name; see `ip link`");
+  request.imr_ifindex = static_cast<int>(interface);
+  return set_option(fd, IPPROTO_IP, change, request);
+}
+
+Status join_group(int fd, const UdpOptions& options, unsigned& joined) {
+  joined = 0;
+  if (options.group.empty()) return ok_status();
+  const unsigned interface = interface_number(options);
+  if (interface == 0) return unavailable("no interface of the LiDAR's name; see `ip link`");
   // Without this, groups that other programs joined come through our socket too.
-  if (!set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0) || !set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request))
+  if (!set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0) || !change_membership(fd, IP_ADD_MEMBERSHIP, options, interface))
     return unavailable("the LiDAR's multicast group cannot be joined on its interface");
+  joined = interface;
   return ok_status();
 }
 
-Status set_up(int fd, const UdpOptions& options, uint64_t& buffer_bytes) {
+Status set_up(int fd, const UdpOptions& options, uint64_t& buffer_bytes, unsigned& joined) {
   ROOMCAL_TRY(turn_on_accounting(fd));
   buffer_bytes = grow_receive_buffer(fd, receive_buffer_bytes(options));
   ROOMCAL_TRY(bind_port(fd, options));
-  return join_group(fd, options);
+  return join_group(fd, options, joined);
 }
 
 }  // namespace
@@ -111,14 +120,25 @@ bool read_drops(int fd, uint32_t& drops) {
   return size > SK_MEMINFO_DROPS * sizeof(uint32_t);
 }
 
-Status open_udp_socket(const UdpOptions& options, UniqueFd& fd, uint64_t& buffer_bytes) {
+Status open_udp_socket(const UdpOptions& options, UniqueFd& fd, uint64_t& buffer_bytes, unsigned& joined) {
   fd.reset();
   ROOMCAL_TRY(check(options));
   UniqueFd fresh(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!fresh.valid()) return unavailable("the system has no socket left; raise LimitNOFILE= of the service");
-  ROOMCAL_TRY(set_up(fresh.get(), options, buffer_bytes));
+  ROOMCAL_TRY(set_up(fresh.get(), options, buffer_bytes, joined));
   fd = std::move(fresh);
   return ok_status();
+}
+
+bool rejoin_group(int fd, const UdpOptions& options, unsigned& joined) {
+  if (options.group.empty()) return false;
+  const unsigned interface = interface_number(options);
+  if (interface == 0 || interface == joined) return false;
+  // A socket takes twenty memberships, also those on interfaces that are gone.
+  static_cast<void>(change_membership(fd, IP_DROP_MEMBERSHIP, options, joined));
+  if (!change_membership(fd, IP_ADD_MEMBERSHIP, options, interface)) return false;
+  joined = interface;
+  return true;
 }
 
 }  // namespace roomcal::drivers
