@@ -129,6 +129,28 @@ class ReportPage(unittest.TestCase):
         self.assertEqual(kinds.count("label"), len(SENSORS))
         self.assertGreater(self.different_colours(".view canvas"), 20)
 
+    def test_the_device_shows_how_far_each_sensor_may_be_off(self):
+        self.open(to_change=True)
+        groups = self.browser.run("roomcal.scenes[1].things.filter((t) => t.layer === 'ellipsoids').length")
+        self.assertEqual(groups, len(SENSORS) - 1)  # the reference is where it is by definition
+        self.assertGreater(self.different_colours(".view.device canvas"), 20)
+        before = self.picture(".view.device canvas")
+        self.browser.run("document.querySelector('.view.device input').click()")
+        self.browser.settle()
+        self.assertNotEqual(self.picture(".view.device canvas"), before)
+
+    def test_an_ellipsoid_has_the_axes_of_its_covariance(self):
+        self.open()
+        for name in SENSORS[1:]:
+            axes = self.browser.run(f"positionAxes(sensorOf.get('{name}')).map((a) => [a.sigma, ...a.vector])")
+            told = self.result["sensors"][name]
+            turn = [row[:3] for row in told["T_room_sensor"][:3]]
+            for j in range(3):
+                for k in range(3):
+                    built = sum(a[0] ** 2 * a[1 + j] * a[1 + k] for a in axes)
+                    expected = sum(turn[j][m] * told["covariance"][m][n] * turn[k][n] for m in range(3) for n in range(3))
+                    self.assertAlmostEqual(built / axes[0][0] ** 2, expected / axes[0][0] ** 2, places=6)
+
     def test_a_picture_shows_image_rings_and_residuals(self):
         self.open(to_change=True)
         self.assertGreater(self.different_colours(".picture canvas"), 100)

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kBins = 60;
-constexpr double kReachSigmas = 6;  // of the histogram, to either side
+constexpr double kReachSigmas = 4;  // of the histogram, to either side
 
 /// The map's surface in memory of its own.
 class RoomSurface {

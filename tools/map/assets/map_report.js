@@ -189,7 +189,7 @@ function build() {
     element("header", {}, element("h1", {}, `Room map ${map.id}`), element("p", {}, `${map.provenance}${made}`), themeButton()),
     summary(),
     element("div", { class: "view" }, canvas, toolbar(scene, legend), legend, tip,
-      element("p", { class: "hint", style: "left:96px" }, "Drag turns, wheel zooms, shift-drag moves; click a marker")),
+      element("p", { class: "hint" }, "Drag turns, wheel zooms, shift-drag moves; click a marker")),
     adviceSection() || "",
     element("section", { class: spread ? "columns" : null }, element("div", {}, element("h2", {}, "Planes"), planeTable()), spread),
     element("section", {}, element("h2", {}, "Markers"), table.node),

@@ -19,7 +19,7 @@ const vec = {
 //   scene.add({ kind: "label", at, text, colour, layer });          // kept apart from each other, with a leader if need be
 //   scene.add({ kind: "group", at, parts, layer });                 // parts() -> lines, asked on every draw
 //   scene.add({ kind: "cloud", points_mm, face, normals, bins: [{ colour, list }], size, layer });  // flat x y z, mm
-//   scene.addFrustum(T_room_cam, tan_x, tan_y, { length, colour, layer, text });
+//   scene.add({ kind: "patch", points, colour, alpha, width, layer });  // filled, outlined, seen from either side
 //   scene.frame(points); scene.draw();
 //
 // `colour` may be a function, asked on every draw. `onPick(key)` is told what was clicked. Keys: arrows turn, with shift
@@ -42,16 +42,6 @@ class Scene {
 
   add(thing) { this.things.push(thing); }
 
-  /** T_room_cam as four rows; x right, y down, z forward. */
-  addFrustum(T_room_cam, tan_x, tan_y, { length = 0.25, colour, layer, text, tip, key }) {
-    const point = (x, y, z) => [0, 1, 2].map((r) => T_room_cam[r][0] * x + T_room_cam[r][1] * y + T_room_cam[r][2] * z + T_room_cam[r][3]);
-    const apex = point(0, 0, 0);
-    const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([sx, sy]) => point(sx * tan_x * length, sy * tan_y * length, length));
-    corners.forEach((corner, i) => this.add({ kind: "line", points: [apex, corner, corners[(i + 1) % 4]], colour, width: 1.4, layer }));
-    this.add({ kind: "point", at: apex, colour, size: 3, layer, tip, key });
-    if (text) this.add({ kind: "label", at: apex, text, layer });
-  }
-
   /** Puts the camera so that all these points are seen. */
   frame(points) {
     const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k]))), high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
@@ -61,9 +51,11 @@ class Scene {
     this.fit(points);
   }
 
-  // Home: the picture of the points in the middle of the canvas, below the tool bar, as large as it goes.
+  // Home: the picture of the points in the middle of the canvas, below a tool bar that lies on it, as large as it goes.
   fit(points) {
-    const width = this.canvas.clientWidth || 800, height = this.canvas.clientHeight || 500, top = 56, margin = 28;
+    const width = this.canvas.clientWidth || 800, height = this.canvas.clientHeight || 500, margin = 28;
+    const bar = this.canvas.parentElement && this.canvas.parentElement.querySelector(".tools");
+    const top = bar ? Math.max(margin, bar.offsetTop + bar.offsetHeight - this.canvas.offsetTop + 12) : margin;
     for (let round = 0; round < 6; ++round) {
       const at = points.map(this.camera.projector(width, height)), xs = at.map((p) => p[0]), ys = at.map((p) => p[1]);
       const left = Math.min(...xs), right = Math.max(...xs), up = Math.min(...ys), down = Math.max(...ys);
@@ -103,7 +95,7 @@ class Scene {
     seen.sort((a, b) => b.depth - a.depth);
     this.labels = [];
     for (const { thing } of seen) this.paint(g, thing);
-    this.paintLabels(g, width, height);
+    paintLabels(this, g, this.labels);
     if (this.chosen !== null) this.things.filter((t) => t.key === this.chosen && !this.hidden.has(t.layer)).forEach((t) => this.paintChosen(g, t));
     this.drawAxes(g, height);
   }
@@ -119,6 +111,7 @@ class Scene {
   paint(g, thing) {
     const colour = typeof thing.colour === "function" ? thing.colour() : thing.colour || this.ink;
     if (thing.kind === "polygon") this.paintPolygon(g, thing);
+    if (thing.kind === "patch") this.paintPatch(g, thing, colour);
     if (thing.kind === "disc") this.paintDisc(g, thing, colour);
     if (thing.kind === "line") this.paintLine(g, thing, colour);
     if (thing.kind === "point") this.paintPoint(g, thing, colour);
@@ -147,6 +140,16 @@ class Scene {
     if (!away) { g.fillStyle = `rgba(${rgb}, 0.10)`; g.fill(); }
     g.strokeStyle = `rgba(${rgb}, ${away ? 0.22 : 0.55})`;
     g.lineWidth = 1;
+    g.stroke();
+  }
+
+  paintPatch(g, thing, colour) {
+    if (!this.trace(g, thing.points, true)) return;
+    g.globalAlpha = thing.alpha;
+    g.fillStyle = g.strokeStyle = colour;
+    g.fill();
+    g.globalAlpha = 1;
+    g.lineWidth = thing.width;
     g.stroke();
   }
 
@@ -194,9 +197,12 @@ class Scene {
   paintCloud(g, { points_mm, face, normals, bins, size = 2 }) {
     const { right, up, back } = this.camera.axes(), [cx, cy, cz] = this.camera.centre, eye = this.eye;
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight, focal = this.camera.focal(width, height);
-    for (const { colour, list } of bins) {
+    const turns = 8;  // a part of every colour in turn: the last one painted would hide the others
+    for (let turn = 0; turn < turns * bins.length; ++turn) {
+      const { colour, list } = bins[turn % bins.length], first = Math.floor(turn / bins.length);
       g.fillStyle = colour;
-      for (const i of list) {
+      for (let j = first; j < list.length; j += turns) {
+        const i = list[j];
         const px = points_mm[3 * i] / 1000, py = points_mm[3 * i + 1] / 1000, pz = points_mm[3 * i + 2] / 1000, n = normals[face[i]];
         if (n && n[0] * (eye[0] - px) + n[1] * (eye[1] - py) + n[2] * (eye[2] - pz) < 0) continue;
         const x = px - cx, y = py - cy, z = pz - cz, depth = this.camera.distance - (x * back[0] + y * back[1] + z * back[2]);
@@ -215,43 +221,6 @@ class Scene {
     g.fillStyle = colour;
     g.fill();
     if (thing.tip) this.targets.push({ x, y, depth, thing });
-  }
-
-  // Labels from the top down, each in the nearest free place around what it names; one that had to go far gets a leader.
-  paintLabels(g, width, height) {
-    const taken = [], size = 12, places = [[8, -8], [8, 16], [-8, -8], [-8, 16], ...[...Array(40).keys()].map((i) => {
-      const a = (i * Math.PI) / 5 - Math.PI / 3, r = 26 + 13 * Math.floor(i / 10);
-      return [r * Math.cos(a), r * Math.sin(a)];
-    })];
-    g.font = `${size}px system-ui, 'DejaVu Sans', sans-serif`;
-    const at = this.labels.map((thing) => ({ thing, place: this.project(thing.at), wide: g.measureText(thing.text).width })).filter(({ place }) => place[2] > 0.01);
-    for (const { thing, place: [x, y], wide } of at.sort((a, b) => a.place[1] - b.place[1])) {
-      const boxOf = ([dx, dy]) => ({ x: dx < 0 ? x + dx - wide : x + dx, y: y + dy - size, w: wide, h: size + 3 });
-      const free = (box) => box.x > 0 && box.y > 0 && box.x + box.w < width && box.y + box.h < height
-        && taken.every((t) => box.x > t.x + t.w + 4 || t.x > box.x + box.w + 4 || box.y > t.y + t.h || t.y > box.y + box.h);
-      const offset = places.find((place) => free(boxOf(place))) || places[0], box = boxOf(offset);
-      taken.push(box);
-      this.paintLabel(g, thing, box, [x, y], Math.hypot(...offset) > 20);
-    }
-  }
-
-  paintLabel(g, thing, box, at, leader) {
-    const colour = typeof thing.colour === "function" ? thing.colour() : thing.colour || this.colour("--soft");
-    if (leader) {
-      g.beginPath();
-      g.moveTo(...at);
-      g.lineTo(box.x + (at[0] < box.x ? 0 : at[0] > box.x + box.w ? box.w : box.w / 2), box.y + box.h / 2);
-      g.strokeStyle = colour;
-      g.globalAlpha = 0.5;
-      g.lineWidth = 1;
-      g.stroke();
-      g.globalAlpha = 1;
-    }
-    g.lineWidth = 3;
-    g.strokeStyle = this.colour("--card");
-    g.strokeText(thing.text, box.x, box.y + box.h - 4);
-    g.fillStyle = colour;
-    g.fillText(thing.text, box.x, box.y + box.h - 4);
   }
 
   paintChosen(g, thing) {
@@ -306,8 +275,8 @@ class Scene {
     this.tip.style.display = target && target.thing.tip ? "block" : "none";
     if (!target || !target.thing.tip) return;
     this.tip.textContent = typeof target.thing.tip === "function" ? target.thing.tip() : target.thing.tip;
-    this.tip.style.left = `${Math.min(x + 14, this.canvas.clientWidth - this.tip.offsetWidth - 8)}px`;
-    this.tip.style.top = `${Math.min(y + 14, this.canvas.clientHeight - this.tip.offsetHeight - 8)}px`;
+    this.tip.style.left = `${this.canvas.offsetLeft + Math.min(x + 14, this.canvas.clientWidth - this.tip.offsetWidth - 8)}px`;
+    this.tip.style.top = `${this.canvas.offsetTop + Math.min(y + 14, this.canvas.clientHeight - this.tip.offsetHeight - 8)}px`;
   }
 
   listen() {

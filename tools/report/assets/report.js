@@ -3,16 +3,29 @@
 // The page of `roomcal report`, from the verdict down.
 
 const verdicts = {
-  PASS: { kind: "pass", mark: "\u2713", means: "Good. May be stored." },
-  PASS_ADVISE: { kind: "advise", mark: "\u2713", means: "Good, may be stored. It could be better:" },
+  PASS: { kind: "pass", mark: "\u2713", means: "Good: may be stored." },
+  PASS_ADVISE: { kind: "advise", mark: "\u2713", means: "Good: may be stored. It could be better:" },
   FAIL_RETRY: { kind: "retry", mark: "\u21bb", means: "Not stored. The operator can mend it:" },
   FAIL_SERVICE: { kind: "service", mark: "\u2715", means: "Not stored. It needs service:" },
 };
 
+const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
+
+/** What was reached, in a sentence. */
+function reached() {
+  const part = (list, what) => {
+    const located = list.filter((sensor) => sensor.located).length, sigma = most(list.filter((sensor) => sensor.sigma && !sensor.reference), (sensor) => sensor.sigma.mm);
+    const share = located === list.length ? counted(located, what) : `${located} of ${counted(list.length, what)}`;
+    return list.length ? `${share} located${sigma === null ? "" : ` to ${figure(sigma)}\u2009mm`}` : null;
+  };
+  const parts = [part(cameras, "camera"), part(lidars, "LiDAR")].filter(Boolean).join(", ");
+  return `${parts} (1\u03c3, relative to ${result.rig_frame}).`;
+}
+
 function verdictCard() {
   const { kind, mark, means } = verdicts[result.verdict] || { kind: "service", mark: "?", means: "" }, reasons = result.reasons || [];
   return element("div", { class: `verdict ${kind}`, role: "status" }, element("div", { class: "word" }, element("span", { class: "mark", "aria-hidden": "true" }, mark), result.verdict.replaceAll("_", " ")),
-    element("div", {}, element("p", {}, means), reasons.length ? element("ul", {}, ...reasons.map((reason) => element("li", {}, reason))) : null));
+    element("div", {}, element("p", {}, element("b", {}, means)), reasons.length ? element("ul", {}, ...reasons.map((reason) => element("li", {}, reason))) : null, element("p", { class: "reached" }, reached())));
 }
 
 function headLine() {
@@ -23,17 +36,17 @@ function headLine() {
 const most = (list, of) => (list.length ? Math.max(...list.map(of)) : null);
 
 function factList() {
-  const subjects = (list) => list.filter((sensor) => sensor.sigma && !sensor.reference), counted = (list) => `${list.filter((sensor) => sensor.located).length} of ${list.length}`;
+  const subjects = (list) => list.filter((sensor) => sensor.sigma && !sensor.reference), located = (list) => `${list.filter((sensor) => sensor.located).length} of ${list.length}`;
   const cam = subjects(cameras), lid = subjects(lidars), truth = Object.entries(data.truth || {}), rings = cameras.reduce((sum, s) => sum + (s.told.inliers || 0), 0);
   const seen = cameras.filter((s) => finite(s.told.rms_px) && s.told.inliers > 0), swept = lidars.filter((s) => finite(s.told.rms_m));
   const error = (kind) => most(truth.filter(([name]) => sensorOf.get(name).camera === kind), ([, change]) => 1e3 * Math.hypot(...change.delta.slice(0, 3)));
   return [
-    [counted(cameras), "", "cameras located"], lidars.length && [counted(lidars), "", "LiDARs located"],
+    [located(cameras), "", "cameras located"], lidars.length && [located(lidars), "", "LiDARs located"],
     cam.length && [figure(most(cam, (s) => s.sigma.mm)), "mm", `largest \u03c3 of a camera; ${fixed(most(cam, (s) => s.sigma.deg), 4)}\u00b0`],
     lid.length && [figure(most(lid, (s) => s.sigma.mm)), "mm", `largest \u03c3 of a LiDAR; ${fixed(most(lid, (s) => s.sigma.deg), 4)}\u00b0`],
-    seen.length && [figure(Math.sqrt(seen.reduce((sum, s) => sum + s.told.inliers * s.told.rms_px ** 2, 0) / rings)), "px", `RMS of ${rings} rings`],
-    swept.length && [figure(1e3 * most(swept, (s) => s.told.rms_m)), "mm", `RMS of ${swept.reduce((sum, s) => sum + s.told.inliers, 0)} LiDAR points`],
-    result.held_out && [figure(result.held_out.median_sigmas), "\u03c3", `typical miss of ${result.held_out.markers} held-out rings`],
+    seen.length && [figure(Math.sqrt(seen.reduce((sum, s) => sum + s.told.inliers * s.told.rms_px ** 2, 0) / rings)), "px", `RMS residual of ${grouped(rings)} rings`],
+    swept.length && [figure(1e3 * most(swept, (s) => s.told.rms_m)), "mm", "RMS range residual of LiDARs"],
+    result.held_out && [figure(result.held_out.median_sigmas), "\u03c3", `typical miss, ${result.held_out.markers} rings held out`],
     result.timing_ms && result.timing_ms.total > 0 && [figure(result.timing_ms.total), "ms", "computing, all of it"],
     finite(error(true)) && [figure(error(true)), "mm", "largest true error of a camera"], finite(error(false)) && [figure(error(false)), "mm", "largest true error of a LiDAR"],
   ].filter(Boolean);
@@ -79,16 +92,13 @@ function build() {
   document.getElementById("page").append(...[
     element("header", {}, element("h1", {}, data.title), element("p", {}, headLine()), themeButton()),
     verdictCard(), factStrip(), scene && scene.node, pictureSection(), planSection(), residualSection(),
-    section("Sensors", `Position and rotation on ${result.rig_frame}.`, table.node, sensorNotes()),
+    section("Sensors", `T_${result.rig_frame}_sensor: where each sensor sits in the axes of ${result.rig_frame}; rotations R = Rz Ry Rx. \u03c3: one sigma of its worst axis. Drawing: how far off the nominal mounting.`, table.node, sensorNotes()),
     truthSection(), installedSection(), pairSection(), correlationSection(), intrinsicsSection(), beamSection(),
     element("section", { class: "columns" }, provenance(), timingBar()), footer(),
   ].filter(Boolean));
   document.body.append(pageTip);
-  if (scene) {
-    scene.scene.frame(scene.scene.everything.length ? scene.scene.everything : scene.scene.device);
-    scene.scene.draw();
-  }
-  window.roomcal = { scene: scene && scene.scene, table, sensors, pictureViews, openPicture };
+  if (scene) scene.start();
+  window.roomcal = { scene: scene && scene.scenes[0], scenes: scene ? scene.scenes : [], table, sensors, pictureViews, openPicture };
 }
 
 build();

@@ -43,7 +43,7 @@ function lidarDistribution(sensor) {
   const bins = counts.counts.map((count, i) => ({ from: counts.low_mm + i * counts.step_mm, to: counts.low_mm + (i + 1) * counts.step_mm, count }));
   const inside = bins.reduce((sum, bin) => sum + (Math.abs(bin.from + bin.to) / 2 < 3 * sigma ? bin.count : 0), 0);
   return { chart: distribution({ bins, curve: (x) => inside * counts.step_mm * normalDensity(x, sigma), unit: "mm", colour: cssColour(sensor), label: `residuals of ${sensor.name}` }),
-    caption: `${sensor.sweep.points} points, \u03c3 ${figure(sigma)}\u2009mm a range; ${Math.round((100 * counts.outside) / sensor.sweep.points)}\u2009% off the map's surfaces` };
+    caption: `${grouped(sensor.sweep.points)} points, \u03c3 ${figure(sigma)}\u2009mm a range; ${Math.round((100 * counts.outside) / sensor.sweep.points)}\u2009% beyond, or off the map\u2019s surfaces` };
 }
 
 function residualSection() {
@@ -53,7 +53,7 @@ function residualSection() {
   const charts = [...seen.map((sensor) => ({ sensor, ...cameraDistribution(sensor, reach) })),
     ...sweeps.filter((sensor) => sensor.sweep.histogram).map((sensor) => ({ sensor, ...lidarDistribution(sensor) }))];
   if (!charts.length) return null;
-  return section("Residuals", "Bars: what this shot left. Line: what the sensors\u2019 own claimed uncertainties lead to; narrower bars mean that the claim is careful.",
+  return section("Residuals", "Cameras: predicted less seen ring centre, px, both axes of the image. LiDARs: measured less expected range, mm. Bars: what this shot left. Line: what the claimed uncertainties lead to; bars narrower than it mean a careful claim.",
     element("div", { class: "charts" }, ...charts.map(({ sensor, chart, caption }) => element("figure", {}, element("figcaption", {}, element("b", {}, named(sensor)), element("span", {}, caption)), chart))));
 }
 
@@ -92,10 +92,10 @@ function correlationMap() {
 function correlationSection() {
   const picture = correlationMap();
   if (!picture) return null;
-  const lead = `Correlation of what is left uncertain: position x y z and rotation rx ry rz of every sensor on ${result.rig_frame}, each in its own axes.`
+  const lead = `What is left uncertain of T_${result.rig_frame}_sensor: position x y z and rotation rx ry rz, each in the sensor\u2019s own axes (a right perturbation). Squares: correlations. Table: one sigma.`
     + (result.joint_covariance ? "" : " Correlations between sensors: `roomcal calibrate --detail` tells them.");
-  return section("Covariance", lead, element("div", { class: "heat" }, picture,
-    element("div", { class: "key" }, ...colourBar(["var(--minus)", "var(--card)", "var(--plus)"], ["\u22121", "0", "+1"]))));
+  const key = element("div", { class: "key" }, ...colourBar(["var(--minus)", "var(--card)", "var(--plus)"], ["\u22121", "0", "+1"]));
+  return section("Covariance", lead, element("div", { class: "heat" }, element("div", {}, picture, key), sigmaTable()));
 }
 
 /** Six deviations in sigmas over bands of one and three sigma. */

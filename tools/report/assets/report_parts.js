@@ -140,4 +140,7 @@ function probability(value) {
   return `10\u207b${raised.join("")}`;
 }
 
+/** 26 109: digits in threes. */
+const grouped = (count) => String(count).replace(/\B(?=(\d{3})+$)/g, "\u2009");
+
 const axisNames = ["x", "y", "z", "rx", "ry", "rz"];

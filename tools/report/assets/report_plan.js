@@ -1,10 +1,12 @@
 "use strict";
 
-// The sweeps laid over each other in the room, from above and from the side: walls are single lines where the LiDARs agree.
+// The sweeps laid over each other in the room, from above, the front and the side: walls are single lines where the LiDARs agree.
 
+const measureRoom_m = 0.15;  // below the floor, for the measure
 const planViews = [
   { name: "From above", across: 0, up: 1, along: 2 },
-  { name: "From the side", across: 0, up: 2, along: 1 },
+  { name: "From the front", across: 0, up: 2, along: 1 },
+  { name: "From the side", across: 1, up: 2, along: 0 },
 ];
 
 /** Index lists of a sweep's points that a view shows: walls on edge only, surfaces that face the viewer would cover all. */
@@ -23,12 +25,14 @@ function planBounds() {
 
 class PlanView {
   constructor(view, bounds) {
-    Object.assign(this, { ...view, bounds });
+    const low = bounds.low.map((v, k) => (k === view.up ? v - measureRoom_m : v));
+    Object.assign(this, { ...view, bounds: { low, high: bounds.high } });
     this.canvas = element("canvas", { role: "img", "aria-label": `sweeps in the room, ${view.name.toLowerCase()}` });
     this.lists = sweeps.map((sensor) => onEdge(sensor.sweep, view.along));
-    const size = (k) => bounds.high[k] - bounds.low[k];
-    this.node = element("figure", {}, element("figcaption", {}, element("b", {}, view.name), element("span", {}, `${"xyz"[view.across]} to the right, ${"xyz"[view.up]} up`)),
-      element("div", { class: "frame", style: `aspect-ratio:${size(view.across)} / ${size(view.up)}` }, this.canvas));
+    const size = (k) => bounds.high[k] - low[k];
+    this.aspect = size(view.across) / size(view.up);
+    this.node = element("figure", { style: `--aspect:${this.aspect.toFixed(4)}` }, element("figcaption", {}, element("b", {}, view.name), element("span", {}, `${"xyz"[view.across]} to the right, ${"xyz"[view.up]} up`)),
+      element("div", { class: "frame", style: `aspect-ratio:${this.aspect}` }, this.canvas));
     keepDrawn(this.canvas, () => this.draw());
   }
 
@@ -37,7 +41,7 @@ class PlanView {
     const scale = Math.min(width / (high[across] - low[across]), height / (high[up] - low[up]));
     this.place = (q) => [(q[across] - low[across]) * scale, height - (q[up] - low[up]) * scale];
     this.drawRoom(g);
-    sweeps.forEach((sensor, i) => this.drawSweep(g, sensor, this.lists[i]));
+    for (let turn = 0; turn < 8; ++turn) sweeps.forEach((sensor, i) => this.drawSweep(g, sensor, this.lists[i].filter((_, j) => j % 8 === turn)));  // none lies on all others
     this.drawSensors(g);
     this.drawMeasure(g, scale, width, height);
   }
@@ -76,7 +80,7 @@ class PlanView {
   }
 
   drawMeasure(g, scale, width, height) {
-    const x = width - 12 - scale, y = height - 12;
+    const x = width - 12 - scale, y = height - 3;
     g.strokeStyle = g.fillStyle = themeColour("--ink");
     g.lineWidth = 1.5;
     g.beginPath(); g.moveTo(x, y - 4); g.lineTo(x, y); g.lineTo(x + scale, y); g.lineTo(x + scale, y - 4); g.stroke();
@@ -91,6 +95,6 @@ function planSection() {
   const bounds = planBounds(), views = planViews.map((view) => new PlanView(view, bounds));
   const key = element("div", { class: "legend-line" }, ...sweeps.map((sensor) => element("span", {}, dot(sensor), sensor.name)), element("span", {}, element("i", { class: "square" }), "LiDAR"), element("span", {}, element("i", { class: "round" }), "camera"));
   return section(sweeps.length > 1 ? "Sweeps laid over each other" : "The sweep in the room",
-    "Each LiDAR\u2019s points by its own extrinsics; surfaces on edge, those that face the viewer are left out. Where the LiDARs agree a wall is one line.", key,
+    sweeps.length > 1 ? "Each LiDAR\u2019s points in the room by its own extrinsics; surfaces on edge only. Where the LiDARs agree a wall is one line." : "The LiDAR\u2019s points in the room by its extrinsics; surfaces on edge only. The grey lines are the map\u2019s edges.", key,
     element("div", { class: "plans" }, ...views.map((view) => view.node)));
 }

@@ -91,6 +91,12 @@ function binnedCloud(scene, sensor) {
   return [none, ...bins];
 }
 
+function boxOfCloud(points_mm) {
+  const range = (k) => { const at = points_mm.filter((_, i) => i % 3 === k); return [quantile(at, 0.01) / 1000, quantile(at, 0.99) / 1000]; };
+  const ranges = [0, 1, 2].map(range);
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => ranges[k][(i >> k) & 1]));
+}
+
 function addSweep(scene, sensor) {
   const cloud = { kind: "cloud", layer: "sweeps", points_mm: sensor.sweep.points_mm, face: sensor.sweep.face, normals: sensor.sweep.normals, size: 2 };
   cloud.rebin = () => { cloud.bins = binnedCloud(scene, sensor); };
@@ -105,7 +111,7 @@ function sceneLegend(scene) {
     const rows = [];
     if (sweeps.length && !scene.hidden.has("sweeps") && sweepColour === "residual" && room) {
       const reach = residualReach();
-      rows.push(element("strong", {}, "Sweeps: measured less expected range"), ...colourBar(residualStops(), [`\u2212${figure(reach)}`, "0", `+${figure(reach)}\u2009mm`]));
+      rows.push(element("strong", {}, "Sweeps: measured less expected range"), ...colourBar(residualStops(), [`\u2212${figure(reach)}`, "0", `+${figure(reach)}\u2009mm`]), element("span", { class: "row" }, "grey: on no surface of the map"));
     }
     if (sweeps.length && !scene.hidden.has("sweeps") && sweepColour === "height") rows.push(element("strong", {}, "Sweeps: height above the floor"), ...colourBar(distanceStops(), ["0", `${figure(room ? Math.max(...room.markers.map((m) => m.p[2])) : 3)}\u2009m`]));
     if (room && cameras.some((sensor) => sensor.rings.some(used))) rows.push(element("span", { class: "row" }, element("span", { class: "swatch", style: "background:var(--seen)" }), "marker used by a camera"), element("span", { class: "row" }, element("span", { class: "swatch", style: "background:var(--unseen)" }), "not used"));
@@ -115,51 +121,55 @@ function sceneLegend(scene) {
   return legend;
 }
 
-function sceneTools(scene, legend, clouds) {
+function sceneTools(scene, legend, clouds, everything) {
   const redraw = () => { legend.update(); scene.schedule(); };
   const layer = ([key, name]) => toggle(name, !scene.hidden.has(key), (on) => { if (on) scene.hidden.delete(key); else scene.hidden.add(key); redraw(); });
   const layers = [room && ["markers", "Markers"], room && ["planes", "Planes"], ["sensors", "Sensors"], sweeps.length && ["sweeps", "Sweeps"], ["grid", "1 m grid"]].filter(Boolean);
   const colours = [room && ["residual", "residual"], ["sensor", "LiDAR"], ["height", "height"]].filter(Boolean);
-  const look = (points, yaw, pitch) => () => {
-    scene.frame(points);
-    if (yaw !== undefined) { Object.assign(scene.camera, { yaw, pitch }); scene.fit(points); }
+  const fromAbove = () => {
+    scene.frame(everything);
+    Object.assign(scene.camera, { yaw: -Math.PI / 2, pitch: Math.PI / 2 });
+    scene.fit(everything);
     scene.schedule();
   };
   return element("div", { class: "tools" },
     sweeps.length ? choice("Colour of sweeps", colours.map(([value, text]) => [value, `Sweeps: ${text}`]), sweepColour, (value) => { sweepColour = value; clouds.forEach((cloud) => cloud.rebin()); redraw(); }) : null,
-    ...layers.map(layer), element("button", { type: "button", onclick: look(scene.everything) }, room ? "Whole room" : "Everything"),
-    element("button", { type: "button", onclick: look(scene.everything, -Math.PI / 2, Math.PI / 2) }, "From above"), element("button", { type: "button", onclick: look(scene.device) }, "Device"));
+    ...layers.map(layer), element("button", { type: "button", onclick: () => { scene.frame(everything); scene.schedule(); } }, "Whole"),
+    element("button", { type: "button", onclick: fromAbove }, "Top"));
 }
 
-/** A box about the sensors, no smaller than a hand. */
-function deviceBox() {
-  const at = sensors.filter((sensor) => sensor.located).map((sensor) => matrix.translation(sensor.T_scene));
-  if (!at.length) return [];
-  const low = [0, 1, 2].map((k) => Math.min(...at.map((q) => q[k])) - 0.08), high = [0, 1, 2].map((k) => Math.max(...at.map((q) => q[k])) + 0.08);
-  return [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => (i & (1 << k) ? high[k] : low[k])));
-}
-
-function sceneSection(choose) {
-  const located = sensors.filter((sensor) => sensor.located);
-  if (!located.length && !room) return null;
+/** The room with all that was found in it, or null where there is neither a room nor a sweep to draw. */
+function roomView(choose) {
+  if (!room && !(inRoom && sweeps.length)) return null;
   const canvas = element("canvas", { role: "img", "aria-label": "The room in 3-D: drag to turn, wheel to zoom, arrow keys to turn" }), tip = element("div", { class: "tip" });
   const scene = new Scene(canvas, tip);
   addRoom(scene);
   if (!room) sweepColour = "sensor";
   const clouds = sweeps.map((sensor) => addSweep(scene, sensor));
-  located.forEach((sensor) => addSensor(scene, sensor));
-  scene.device = deviceBox();
-  scene.everything = room ? [...room.markers.map((marker) => marker.p), ...room.planes.flatMap((plane) => plane.outline)] : scene.device;
+  sensors.filter((sensor) => sensor.located).forEach((sensor) => addSensor(scene, sensor));
+  const everything = room ? [...room.markers.map((marker) => marker.p), ...room.planes.flatMap((plane) => plane.outline)] : sweeps.flatMap((sensor) => boxOfCloud(sensor.sweep.points_mm));
   scene.onPick = (key) => choose(key, true);
   const legend = sceneLegend(scene);
   document.addEventListener("themechange", () => { clouds.forEach((cloud) => cloud.rebin()); legend.update(); scene.schedule(); });
   legend.update();
+  const start = () => { scene.frame(everything); scene.draw(); };
+  return { scene, start, node: element("div", { class: "view room" }, sceneTools(scene, legend, clouds, everything), canvas, legend, tip, element("p", { class: "hint" }, "Drag turns, wheel zooms, shift-drag moves")) };
+}
+
+/** Room and device side by side, and a button for each sensor. */
+function sceneSection(choose) {
+  const views = [roomView(choose), deviceView(choose)].filter(Boolean), located = sensors.filter((sensor) => sensor.located);
+  if (!views.length) return null;
   const chips = element("div", { class: "chips" }, ...located.map((sensor) => element("button", { type: "button", "data-key": sensor.key, "aria-pressed": "false", onclick: () => choose(chosenSensor === sensor.key ? null : sensor.key, false) }, dot(sensor), sensor.name)));
-  const node = section(room ? "In the room" : "Sensors", null, element("div", { class: "view" }, canvas, sceneTools(scene, legend, clouds), legend, tip, element("p", { class: "hint", style: "left:96px" }, "Drag turns, wheel zooms, shift-drag moves")), chips);
+  const lead = room && located.length ? "Axes of the room and of every sensor: red x, green y, blue z. A sensor\u2019s button shows which markers it used." : "Axes of every sensor: red x, green y, blue z.";
+  const node = section(room ? "In the room" : "The device", lead, element("div", { class: `scenes${views.length > 1 ? " two" : ""}` }, ...views.map((view) => view.node)), chips);
   const show = (key) => {
     chosenSensor = key;
     for (const chip of chips.children) chip.setAttribute("aria-pressed", String(chip.dataset.key === key));
-    scene.schedule();
+    for (const { scene } of views) {
+      scene.chosen = key;
+      scene.schedule();
+    }
   };
-  return { node, scene, show };
+  return { node, scenes: views.map((view) => view.scene), start: () => views.forEach((view) => view.start()), show };
 }

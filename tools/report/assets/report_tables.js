@@ -21,12 +21,23 @@ function sensorTable(choose) {
     { name: "kind", word: true, value: (s) => (s.camera ? "camera" : s.told.model || "LiDAR"), show: (s) => (s.camera ? "camera" : s.told.model || "LiDAR") },
     ...["x", "y", "z"].map((axis, k) => number(`${axis} mm`, at(k), 2)), ...["rx", "ry", "rz"].map((axis, k) => number(`${axis} \u00b0`, angle(k), 3)),
     number("\u03c3 mm", (s) => (measured(s) ? s.sigma.mm : null), 3), number("\u03c3 \u00b0", (s) => (measured(s) ? s.sigma.deg : null), 4),
-    { name: "inliers", value: (s) => s.told.inliers ?? null, show: (s) => (finite(s.told.inliers) ? `${s.told.inliers} of ${s.told.detections}` : dash) },
+    { name: "inliers", value: (s) => s.told.inliers ?? null, show: (s) => (finite(s.told.inliers) ? `${grouped(s.told.inliers)} of ${grouped(s.told.detections)}` : dash) },
     { name: "coverage", value: (s) => s.told.coverage ?? null, show: (s) => (finite(s.told.coverage) ? `${Math.round(100 * s.told.coverage)}\u2009%` : dash) },
     { name: "RMS", value: (s) => s.told.rms_px ?? (finite(s.told.rms_m) ? 1e3 * s.told.rms_m : null), show: (s) => (finite(s.told.rms_px) ? `${figure(s.told.rms_px)}\u2009px` : finite(s.told.rms_m) ? `${figure(1e3 * s.told.rms_m)}\u2009mm` : dash) },
-    rows.some((s) => s.off) && number("off drawing mm", (s) => (s.off ? s.off.mm : null), 1), rows.some((s) => s.off) && number("off drawing \u00b0", (s) => (s.off ? s.off.deg : null), 2),
+    rows.some((s) => s.off) && number("drawing mm", (s) => (s.off ? s.off.mm : null), 1), rows.some((s) => s.off) && number("drawing \u00b0", (s) => (s.off ? s.off.deg : null), 2),
   ].filter(Boolean);
-  return new SortableTable(columns, rows, choose);
+  const table = new SortableTable(columns, rows, choose);
+  table.node.classList.add("dense");
+  return table;
+}
+
+/** One sigma, axis by axis. */
+function sigmaTable() {
+  const rows = sensors.filter((sensor) => sensor.sigma && !sensor.reference);
+  const sigma = (k) => (sensor) => { const value = Math.sqrt(Math.max(0, sensor.told.covariance[k][k])); return k < 3 ? 1e3 * value : degrees(value); };
+  const columns = [{ name: "Sensor", word: true, value: (s) => s.number, show: named }, ...axisNames.map((axis, k) => number(`${axis} ${k < 3 ? "mm" : "\u00b0"}`, sigma(k), k < 3 ? 3 : 4))];
+  const table = new SortableTable(columns, rows, (key) => table.choose(key, false));
+  return table.node;
 }
 
 /** What a sensor says of itself in words: why it was not located, which directions it does not see. */
