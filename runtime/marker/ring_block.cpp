@@ -4,17 +4,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/base/vector_clones.h"
+
 // Compiled with -fno-math-errno -fno-trapping-math (see CMakeLists.txt): plain loops over 64 floats become vector code.
 namespace roomcal::marker {
 namespace {
-
-// One source, two machine codes on x86-64, chosen when the program starts: every operation is the same IEEE one on each
-// lane and sums run over eight lanes everywhere, so both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define ROOMCAL_VECTOR_CLONES [[gnu::flatten, gnu::target_clones("avx512f", "avx2", "default")]]
-#else
-#define ROOMCAL_VECTOR_CLONES
-#endif
 
 // Beyond this many sigma an edge is a plain step.
 constexpr float kEdgeReach = 3.2F;
