@@ -22,9 +22,9 @@ bool same_place(const Candidate& a, const Candidate& b) {
 
 }  // namespace
 
-FitShares judge(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
+FitShares judge(std::span<const RayBlock> sample, const RefineInput& input, Candidate& candidate) {
   RangeSums sums;
-  gather(input.surface, sample, input.sensor, candidate.state, {1, input.sigma_m, 3, input.mute}, sums);
+  gather(input.surface, sample, input.sensor, candidate.state, {input.sigma_m, 3, input.mute}, sums);
   candidate.loss = mean_loss(sums);
   candidate.mapped_loss = sums.mapped == 0 ? candidate.loss : sums.loss / sums.mapped;
   candidate.information = condense(sums, input.sensor, candidate.state).information;
@@ -54,7 +54,7 @@ void CandidateSet::drop_worse(double twin_loss) {
   twins.truncate(kept);
 }
 
-void CandidateSet::settle_all(std::span<const Ray> sample, const RefineInput& input, const Hypotheses& hypotheses,
+void CandidateSet::settle_all(const Samples& samples, const RefineInput& input, const Hypotheses& hypotheses,
                               const AcceptanceLimits& accept, double twin_loss) {
   twins.clear();
   std::size_t settled = 0;
@@ -65,8 +65,8 @@ void CandidateSet::settle_all(std::span<const Ray> sample, const RefineInput& in
     if (hypothesis.score > hypotheses[0].score + kHopelessScore || settled++ == most) break;
     Candidate candidate;
     candidate.state.T_room_lidar = hypothesis.T_room_lidar;
-    settle(sample, input, hypothesis.score < kGoodScore ? kShortReach_m : kLongReach_m, candidate.state);
-    const FitShares shares = judge(sample, input, candidate);
+    settle(samples.coarse, input, hypothesis.score < kGoodScore ? kShortReach_m : kLongReach_m, candidate.state);
+    const FitShares shares = judge(samples.fine, input, candidate);
     if (input.prior != nullptr && !within_prior(*input.prior, candidate.state.T_room_lidar)) continue;
     if (*why_refused(shares, accept) == '\0') {
       insert(candidate);

@@ -18,7 +18,7 @@ struct Candidate {
 };
 
 /// Fills loss and information of a candidate from the sample.
-FitShares judge(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate);
+FitShares judge(std::span<const RayBlock> sample, const RefineInput& input, Candidate& candidate);
 
 inline constexpr std::size_t kMaxTwins = 16;
 
@@ -32,7 +32,7 @@ struct CandidateSet {
 
   /// @param accept  states that fail it are not taken, but the best of them is if there is no other.
   /// @param twin_loss  see LocateOptions.
-  void settle_all(std::span<const Ray> sample, const RefineInput& input, const Hypotheses& hypotheses,
+  void settle_all(const Samples& samples, const RefineInput& input, const Hypotheses& hypotheses,
                   const AcceptanceLimits& accept, double twin_loss);
 
  private:

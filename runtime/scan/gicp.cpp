@@ -52,10 +52,11 @@ Status make_source(const SweepView& view, const SensorModel& sensor, Arena& scra
     return out_of_arena("scan: scratch arena too small, see gicp_scratch_bytes()");
   }
   const std::size_t stride = (view.point_count() + kGicpPoints - 1) / kGicpPoints;
-  for_each_ray(view, sensor, std::max<std::size_t>(1, stride), [&](const Ray& ray) {
-    if (source.count == kGicpPoints) return;
-    source.beams[source.count] = ray.beam;
-    source.points_lidar[source.count++] = (ray.range_m * ray.direction_lidar).cast<float>();
+  for_each_block(view, sensor, std::max<std::size_t>(1, stride), [&](const RayBlock& block) {
+    for (std::size_t i = 0; i < block.count && source.count < kGicpPoints; ++i) {
+      source.beams[source.count] = block.beam[i];
+      source.points_lidar[source.count++] = block.range_m[i] * block.direction_lidar(i).cast<float>();
+    }
   });
   if (source.count < kNeighbours) return {StatusCode::kTooFew, "scan: too few usable points in the sweep"};
   const std::span<const Eigen::Vector3f> points = source.points_lidar.first(source.count);

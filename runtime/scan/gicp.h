@@ -9,7 +9,7 @@
 #include "runtime/map/room_map.h"
 #include "runtime/math/se3.h"
 #include "runtime/scan/kd_tree.h"
-#include "runtime/scan/sweep_view.h"
+#include "runtime/scan/ray_block.h"
 
 namespace roomcal::scan {
 

@@ -7,17 +7,20 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "runtime/scan/ray_cast.h"
+
 namespace roomcal::scan {
 
 namespace {
 
-constexpr double kUnit_m = 0.05;  // coarse poses are some centimetres off
-constexpr double kInFront = 1, kBehind = 2, kNothing = 0.6;
-constexpr double kPriorGate = 34;   // chi-square with 6 degrees, 1e-5
-constexpr double kAngleCos = 0.05;  // how well angles between planes agree, in cosine
+constexpr float kUnit_m = 0.05F;  // coarse poses are some centimetres off
+constexpr float kInFront = 1, kBehind = 2, kNothing = 0.6F;
+constexpr double kHopeless = 10;          // no score is so bad
+constexpr double kPriorGate = 34;         // chi-square with 6 degrees, 1e-5
+constexpr double kAngleCos = 0.05;        // how well angles between planes agree, in cosine
+constexpr double kNormalSlack_rad = 0.1;  // of a single plane's normal, beside the rotation of two or three
 constexpr double kSame_m = 0.12;
 constexpr double kSame_rad = 0.05;
-constexpr std::size_t kQuickRays = 160;
 constexpr std::size_t kTopPlanes = 6;  // of the sweep
 constexpr int kOpenSteps = 5;          // places along an axis that no plane fixes, without a prior
 constexpr int kMaxOpenSteps = 15;
@@ -54,14 +57,14 @@ Mat33 rotation_of(const Match& match) {
 
 class Search {
  public:
-  Search(const Surface& surface, std::span<const Ray> sample, const SweepPlanes& planes, const PosePrior* prior,
+  Search(const Surface& surface, std::span<const RayBlock> probe, const SweepPlanes& planes, const PosePrior* prior,
          Hypotheses& best)
-      : surface_(surface),
-        sample_(sample),
-        stride_(std::max<std::size_t>(1, sample.size() / kQuickRays)),
-        planes_(planes),
-        prior_(prior),
-        best_(best) {}
+      : surface_(surface), probe_(probe), planes_(planes), prior_(prior), best_(best) {
+    if (prior == nullptr) return;
+    const double sigma2 = prior->cov.bottomRightCorner<3, 3>().trace();
+    greatest_turn_rad_ = std::sqrt(kPriorGate * std::max(sigma2, 1e-4));
+    least_turn_cos_ = std::cos(std::min(kPi, greatest_turn_rad_ + kNormalSlack_rad));
+  }
 
   void run() {
     const Corners corners = find_corners(planes_);
@@ -85,9 +88,10 @@ class Search {
   void put_on_faces(Match& match) {
     for (const Face& first : surface_.faces()) {
       match.face[0] = &first;
+      if (!turn_allowed(match, 0)) continue;
       for (const Face& second : surface_.faces()) {
         match.face[1] = &second;
-        if (&second == &first || !same_angle(match, 0, 1)) continue;
+        if (&second == &first || !same_angle(match, 0, 1) || !turn_allowed(match, 1)) continue;
         if (match.count == 2) {
           try_edge(match);
         } else {
@@ -112,10 +116,14 @@ class Search {
   }
 
   bool rotation_allowed(const Mat33& R) const {
+    return prior_ == nullptr || rotation_angle_between(R, prior_->T_room_lidar.R) < greatest_turn_rad_;
+  }
+
+  /// Whether any allowed rotation turns the i-th seen normal onto the mapped one: asked before one is computed.
+  bool turn_allowed(const Match& match, std::size_t i) const {
     if (prior_ == nullptr) return true;
-    const double sigma2 = prior_->cov.bottomRightCorner<3, 3>().trace();
-    const double angle = rotation_angle_between(R, prior_->T_room_lidar.R);
-    return angle * angle < kPriorGate * std::max(sigma2, 1e-4);
+    const Vec3 seen_room = prior_->T_room_lidar.R * match.seen[i]->normal_lidar;
+    return match.face[i]->normal_room.dot(seen_room) > least_turn_cos_;
   }
 
   /// Plane equations n . t = d_seen - d_mapped of the matched planes.
@@ -172,8 +180,9 @@ class Search {
     if (((surface_.low_room() - T_room_lidar.t).array() > kOutside_m).any()) return;
     if (((T_room_lidar.t - surface_.high_room()).array() > kOutside_m).any()) return;
     if (prior_ != nullptr && !within_prior(*prior_, T_room_lidar)) return;
-    const double score = score_pose(surface_, sample_, stride_, T_room_lidar);
-    if (best_.full() && score >= best_.back().score) return;
+    const double worst = best_.full() ? best_.back().score : kHopeless;
+    const double score = score_pose(surface_, probe_, T_room_lidar, worst);
+    if (score >= worst) return;
     std::size_t same = 0;
     while (same < best_.size() && !is_same(best_[same].T_room_lidar, T_room_lidar)) ++same;
     if (same < best_.size()) {
@@ -191,11 +200,11 @@ class Search {
   }
 
   const Surface& surface_;
-  std::span<const Ray> sample_;
-  std::size_t stride_;
+  std::span<const RayBlock> probe_;
   const SweepPlanes& planes_;
   const PosePrior* prior_;
   Hypotheses& best_;
+  double greatest_turn_rad_ = 0, least_turn_cos_ = -1;  ///< from the prior's rotation
 };
 
 }  // namespace
@@ -205,27 +214,28 @@ bool within_prior(const PosePrior& prior, const SE3& T_room_lidar) {
   return off.dot(prior.cov.llt().solve(off)) < kPriorGate;
 }
 
-double score_pose(const Surface& surface, std::span<const Ray> rays, std::size_t stride, const SE3& T_room_lidar) {
-  PosedSurface posed;
-  posed.set(surface, T_room_lidar);
+double score_pose(const Surface& surface, std::span<const RayBlock> rays, const SE3& T_room_lidar, double give_up) {
+  const PosedSurface posed(surface, T_room_lidar);
+  const auto count = static_cast<double>(std::max<std::size_t>(1, ray_count(rays)));
+  BlockHits hits;
   double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < rays.size(); i += stride, ++count) {
-    const RayHit hit = posed.first_hit(rays[i].direction_lidar);
-    if (hit.face == kNoFace) {
-      sum += hit.from_behind ? kBehind : kNothing;
-      continue;
+  for (const RayBlock& block : rays) {
+    posed.cast(block, hits);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const float height_m = posed.height_m()[static_cast<std::size_t>(hits.face[i])];
+      const float off = (block.range_m[i] - 1 / hits.inverse_m[i]) / kUnit_m;
+      const float met = std::min(off * off, off < 0 ? kInFront : kBehind);
+      sum += static_cast<double>(height_m > 0 ? met : (height_m < 0 ? kBehind : kNothing));
     }
-    const double off = (rays[i].range_m - hit.range_m) / kUnit_m;
-    sum += std::min(off * off, off < 0 ? kInFront : kBehind);
+    if (sum >= give_up * count) break;
   }
-  return count == 0 ? kBehind : sum / static_cast<double>(count);
+  return sum / count;
 }
 
-void find_hypotheses(const Surface& surface, std::span<const Ray> sample, const SweepPlanes& planes,
+void find_hypotheses(const Surface& surface, std::span<const RayBlock> probe, const SweepPlanes& planes,
                      const PosePrior* prior, Hypotheses& best) {
   best.clear();
-  Search(surface, sample, planes, prior, best).run();
+  Search(surface, probe, planes, prior, best).run();
 }
 
 }  // namespace roomcal::scan

@@ -24,7 +24,8 @@ using Hypotheses = FixedVector<Hypothesis, kMaxHypotheses>;
 /// Mean over the rays of the squared range error in units of 5 cm, capped at 1 where the return came from in front of
 /// the predicted face (something may stand there) and at 2 where it came from behind it (one does not see through
 /// walls); 0.6 where no face is on the way.
-double score_pose(const Surface& surface, std::span<const Ray> rays, std::size_t stride, const SE3& T_room_lidar);
+/// @param give_up  a score that is no use: what is returned may then be any from there on.
+double score_pose(const Surface& surface, std::span<const RayBlock> rays, const SE3& T_room_lidar, double give_up);
 
 /// Coarse poses: every corner of the sweep on every corner of the room, and every edge (two planes) on every edge with
 /// the place along it sampled; ray-cast scored, the best kept, near-duplicates dropped.
@@ -32,7 +33,7 @@ double score_pose(const Surface& surface, std::span<const Ray> rays, std::size_t
 /// @param prior  where there is one, only poses within its gate are made, and the prior itself is added.
 /// @param[out] best  best score first.
 /// Cost: 10 us a pose; 10 to 20 ms without a prior in a room of ten planes, 1 ms with one.
-void find_hypotheses(const Surface& surface, std::span<const Ray> sample, const SweepPlanes& planes,
+void find_hypotheses(const Surface& surface, std::span<const RayBlock> probe, const SweepPlanes& planes,
                      const PosePrior* prior, Hypotheses& best);
 
 /// Whether a pose is inside what the prior allows: 6 degrees of freedom, one in 10^5 true poses is not.

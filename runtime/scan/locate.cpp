@@ -31,16 +31,16 @@ constexpr double kOpenStep_m = 0.025;     // the loss reaches 45 mm along a ray
 
 /// What locate() keeps in scratch.
 struct Workspace {
-  std::span<Ray> sample;
+  Samples samples;
   std::span<float> residuals;
   CandidateSet* candidates = nullptr;
   PrintMatcher matcher;
 
-  static Status build(Arena& scratch, Workspace& work) {
-    work.sample = scratch.allocate<Ray>(kMaxSample);
-    work.residuals = scratch.allocate<float>(kMaxSample);
+  static Status build(const SweepView& view, const SensorModel& sensor, Arena& scratch, Workspace& work) {
+    ROOMCAL_TRY(Samples::take(view, sensor, scratch, work.samples));
+    work.residuals = scratch.allocate<float>(Samples::kMaxRays);
     const std::span<CandidateSet> set = scratch.allocate<CandidateSet>(1);
-    if (work.sample.empty() || work.residuals.empty() || set.empty()) {
+    if (work.residuals.empty() || set.empty()) {
       return out_of_arena("scan: scratch arena too small, see locate_scratch_bytes()");
     }
     work.candidates = set.data();
@@ -70,10 +70,12 @@ OpenAxis open_axis_of(const Mat66& information, const Mat33& R, const PosePrior*
 }
 
 /// The same of a candidate, judged without faces that only seem to be seen.
-OpenAxis open_axis_of(std::span<const Ray> sample, const RefineInput& input, const Candidate& candidate,
+OpenAxis open_axis_of(std::span<const RayBlock> sample, const RefineInput& input, const Candidate& candidate,
                       double unknown_reach_m) {
+  RangeSums sums;
+  gather(input.surface, sample, input.sensor, candidate.state, {input.sigma_m, 3, 0, true}, sums);
   RefineInput muted = input;
-  muted.mute = faces_without_evidence(sample, input, candidate.state);
+  muted.mute = faces_without_evidence(sums);
   Candidate probe = candidate;
   (void)judge(sample, muted, probe);
   return open_axis_of(probe.information, candidate.state.T_room_lidar.R, input.prior, unknown_reach_m);
@@ -81,7 +83,7 @@ OpenAxis open_axis_of(std::span<const Ray> sample, const RefineInput& input, con
 
 /// Moves a settled state along its most open axis of position to where the sample fits best: Gauss-Newton does not find
 /// the few points on a floor 0.2 m away.
-void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Candidate& candidate) {
+void search_open_axis(std::span<const RayBlock> sample, const RefineInput& input, Candidate& candidate) {
   const OpenAxis open = open_axis_of(sample, input, candidate, kOpenReach_m);
   if (open.reach_m == 0) return;
   // Flat ground is no reason to move, nor is bringing points before walls of which nothing is known, or away from them.
@@ -98,7 +100,7 @@ void search_open_axis(std::span<const Ray> sample, const RefineInput& input, Can
     if (better(moved, best)) best = moved;
   }
   // No wide loss here: what fixes the axis are few points, which the many around them would outvote.
-  settle_near(sample, input, 1, best.state);
+  settle_near(sample, input, best.state);
   (void)judge(sample, input, best);
   if (better(best, candidate)) candidate = best;
 }
@@ -117,27 +119,9 @@ void fill_beams(const RangeSums& sums, const SensorModel& sensor, const RangeSta
   }
 }
 
-/// Bits of faces that most of their points do not fit: what is left of them is the rim of something else.
-uint64_t faces_mostly_missed(const RangeSums& sums) {
-  uint64_t mute = 0;
-  for (std::size_t i = 0; i < kMaxFaces; ++i) {
-    if (2 * sums.face[i].inliers < sums.face[i].predicted) mute |= uint64_t{1} << i;
-  }
-  return mute;
-}
-
-/// The fine solution: all points, offsets, and only faces that the sweep gives evidence for.
-bool solve_fine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums,
-                RangeState& linearized_at) {
-  const bool converged = refine(view, input, state, sums, linearized_at);
-  // Grazing beams that change sides keep a solution from settling: mute first, complain later.
-  input.mute = faces_without_evidence(view, input, state) | faces_mostly_missed(sums);
-  return input.mute == 0 ? converged : refine(view, input, state, sums, linearized_at);
-}
-
 /// Keeps the twin whose view of the prints matches, if one clearly does.
 /// @return false if prints should tell, and none of the places matches them: the right one may not be among them.
-bool tell_twins_apart(const SweepView& view, std::span<const Ray> sample, const RefineInput& input,
+bool tell_twins_apart(const SweepView& view, std::span<const RayBlock> sample, const RefineInput& input,
                       PrintMatcher& matcher, CandidateSet& candidates) {
   std::array<double, kMaxTwins> gain{};
   std::size_t best = 0;
@@ -198,7 +182,7 @@ PrintMeasurement close_axis(const SweepView& view, const Mat66& information, Pri
   if (input.prior != nullptr) joined += input.prior->cov.inverse();
   const PosePrior with_prints{state.T_room_lidar, joined.inverse()};
   input.prior = &with_prints;
-  (void)solve_fine(view, input, state, sums, linearized_at);
+  (void)refine(view, input, state, sums, linearized_at);
   return measured;
 }
 
@@ -230,7 +214,7 @@ const char* to_string(LocateOutcome outcome) {
 }
 
 std::size_t locate_scratch_bytes() {
-  return kMaxSample * (sizeof(Ray) + sizeof(float)) + sizeof(CandidateSet) + PrintMatcher::bytes() + 256;
+  return Samples::bytes() + Samples::kMaxRays * sizeof(float) + sizeof(CandidateSet) + PrintMatcher::bytes() + 256;
 }
 
 Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, const SensorModel& sensor,
@@ -238,22 +222,21 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
   location = {};
   ROOMCAL_TRY(check_inputs(sweeps, sensor, prior));
   const Arena::Scope scope(scratch);
-  Workspace work;
-  ROOMCAL_TRY(Workspace::build(scratch, work));
-
   const SweepView view{sweeps};
-  const std::span<const Ray> sample = work.sample.first(take_sample(view, sensor, work.sample));
-  if (sample.size() < options.accept.min_points) {
+  Workspace work;
+  ROOMCAL_TRY(Workspace::build(view, sensor, scratch, work));
+  const std::span<const RayBlock> sample = work.samples.fine;
+  if (ray_count(sample) < options.accept.min_points) {
     refuse(location, "too few usable points in the sweep: is the LiDAR running, and its view clear?");
     return ok_status();
   }
   const double total_sigma_m = std::hypot(sensor.sigma_m, sensor.beam_offset_sigma_m);
   const SweepPlanes planes = extract_planes(sample, total_sigma_m);
   Hypotheses hypotheses;
-  find_hypotheses(surface, sample, planes, prior, hypotheses);
+  find_hypotheses(surface, work.samples.probe, planes, prior, hypotheses);
   RefineInput input{surface, sensor, prior, sensor.sigma_m, 0};
   CandidateSet& candidates = *work.candidates;
-  candidates.settle_all(sample, input, hypotheses, options.accept, options.twin_loss);
+  candidates.settle_all(work.samples, input, hypotheses, options.accept, options.twin_loss);
   if (candidates.twins.empty()) {
     refuse(location, "no place in the map fits the sweep: another room, or the prior is wrong");
     return ok_status();
@@ -270,7 +253,7 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
   RangeSums sums;
   RangeState state = best.state;
   RangeState linearized_at = state;
-  const bool converged = solve_fine(view, input, state, sums, linearized_at);
+  const bool converged = refine(view, input, state, sums, linearized_at);
   PrintMeasurement prints;
   // Only within a prior's reach: over a metre, a wrong place has been seen to match (one of nine real and simulated
   // sets).
@@ -279,7 +262,7 @@ Status locate(const Surface& surface, std::span<const lidar::Sweep> sweeps, cons
     prints = close_axis(view, information, work.matcher, input, state, sums, linearized_at, location);
   }
   fill_counts(sums, sensor, input.sigma_m, state, location);
-  location.azimuth = azimuth_coverage(view, input, state);
+  location.azimuth = azimuth_coverage(sample, input, state);
   fill_pose(input, sums, state, linearized_at, prints, options, location);
   fill_beams(sums, sensor, state, location);
   const int places = static_cast<int>(candidates.twins.size());

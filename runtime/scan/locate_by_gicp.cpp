@@ -34,15 +34,16 @@ void open_weak_axes(const Mat33& R_room_lidar, WeakDirections& weak, Mat66& cov)
 }
 
 /// What the rays say about the registered pose.
-void fill_location(const SweepView& view, RefineInput& input, const GicpResult& result, const LocateOptions& options,
-                   Location& location) {
+void fill_location(const SweepView& view, std::span<const RayBlock> sample, RefineInput& input,
+                   const GicpResult& result, const LocateOptions& options, Location& location) {
   RangeState state;
   state.T_room_lidar = result.T_room_lidar;
-  input.mute = faces_without_evidence(view, input, state);
   RangeSums sums;
-  gather(input.surface, view, input.sensor, state, {1, input.sigma_m, kTurnOver, input.mute}, sums);
+  gather(input.surface, view, 1, input.sensor, state, {input.sigma_m, kTurnOver, 0, true}, sums);
+  input.mute = faces_without_evidence(sums);
+  gather(input.surface, view, 1, input.sensor, state, {input.sigma_m, kTurnOver, input.mute}, sums);
   fill_counts(sums, input.sensor, input.sigma_m, state, location);
-  location.azimuth = azimuth_coverage(view, input, state);
+  location.azimuth = azimuth_coverage(sample, input, state);
   location.T_room_lidar = state.T_room_lidar;
   location.information = condense(sums, input.sensor, state);
   location.weak = find_weak_directions(location.information.information, state.T_room_lidar.R, options.observe);
@@ -53,7 +54,7 @@ void fill_location(const SweepView& view, RefineInput& input, const GicpResult& 
 }  // namespace
 
 std::size_t locate_by_gicp_scratch_bytes() {
-  return kMaxSample * (sizeof(Ray) + sizeof(float)) + sizeof(CandidateSet) + gicp_scratch_bytes() + 64;
+  return Samples::bytes() + Samples::kMaxRays * sizeof(float) + sizeof(CandidateSet) + gicp_scratch_bytes() + 64;
 }
 
 Status locate_by_gicp(const Surface& surface, const GicpTarget& target, std::span<const lidar::Sweep> sweeps,
@@ -62,24 +63,25 @@ Status locate_by_gicp(const Surface& surface, const GicpTarget& target, std::spa
   location = {};
   ROOMCAL_TRY(check_inputs(sweeps, sensor, prior));
   const Arena::Scope scope(scratch);
-  const std::span<Ray> rays = scratch.allocate<Ray>(kMaxSample);
-  const std::span<float> residuals = scratch.allocate<float>(kMaxSample);
+  const SweepView view{sweeps};
+  Samples samples;
+  ROOMCAL_TRY(Samples::take(view, sensor, scratch, samples));
+  const std::span<float> residuals = scratch.allocate<float>(Samples::kMaxRays);
   const std::span<CandidateSet> set = scratch.allocate<CandidateSet>(1);
-  if (rays.empty() || residuals.empty() || set.empty()) {
+  if (residuals.empty() || set.empty()) {
     return out_of_arena("scan: scratch arena too small, see locate_by_gicp_scratch_bytes()");
   }
-  const SweepView view{sweeps};
-  const std::span<const Ray> sample = rays.first(take_sample(view, sensor, rays));
-  if (sample.size() < options.accept.min_points) {
+  const std::span<const RayBlock> sample = samples.fine;
+  if (ray_count(sample) < options.accept.min_points) {
     refuse(location, "too few usable points in the sweep: is the LiDAR running, and its view clear?");
     return ok_status();
   }
   const double total_sigma_m = std::hypot(sensor.sigma_m, sensor.beam_offset_sigma_m);
   Hypotheses hypotheses;
-  find_hypotheses(surface, sample, extract_planes(sample, total_sigma_m), prior, hypotheses);
+  find_hypotheses(surface, samples.probe, extract_planes(sample, total_sigma_m), prior, hypotheses);
   RefineInput input{surface, sensor, prior, sensor.sigma_m, 0};
   CandidateSet& candidates = set[0];
-  candidates.settle_all(sample, input, hypotheses, options.accept, options.twin_loss);
+  candidates.settle_all(samples, input, hypotheses, options.accept, options.twin_loss);
   if (candidates.twins.empty()) {
     refuse(location, "no place in the map fits the sweep: another room, or the prior is wrong");
     return ok_status();
@@ -97,7 +99,7 @@ Status locate_by_gicp(const Surface& surface, const GicpTarget& target, std::spa
   RangeState state;
   state.T_room_lidar = result.T_room_lidar;
   input.sigma_m = spread_m(sample, input, state, residuals);
-  fill_location(view, input, result, options, location);
+  fill_location(view, sample, input, result, options, location);
   conclude(result.converged, options.accept, location);
   return ok_status();
 }

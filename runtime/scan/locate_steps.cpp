@@ -6,12 +6,13 @@
 
 #include <Eigen/Cholesky>
 
+#include "runtime/scan/ray_cast.h"
+
 namespace roomcal::scan {
 
 namespace {
 
 constexpr std::size_t kAzimuthBins = 36;
-constexpr std::size_t kJudgePoints = 6000;
 
 }  // namespace
 
@@ -28,26 +29,21 @@ Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sen
   return ok_status();
 }
 
-std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::span<Ray> sample) {
-  std::size_t count = 0;
-  const std::size_t stride = (view.point_count() + sample.size() - 1) / sample.size();
-  for_each_ray(view, sensor, std::max<std::size_t>(1, stride), [&](const Ray& ray) {
-    if (count < sample.size()) sample[count++] = ray;
-  });
-  return count;
-}
-
-double azimuth_coverage(const SweepView& view, const RefineInput& input, const RangeState& state) {
-  PosedSurface posed;
-  posed.set(input.surface, state.T_room_lidar);
+double azimuth_coverage(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state) {
+  const PosedSurface posed(input.surface, state.T_room_lidar);
   std::array<bool, kAzimuthBins> covered{};
   const double reach_m = 4 * input.sigma_m;
-  for_each_ray(view, input.sensor, stride_for(view, kJudgePoints), [&](const Ray& ray) {
-    const RayHit hit = posed.first_hit(ray.direction_lidar);
-    if (hit.face == kNoFace || std::abs(ray.range_m - hit.range_m - state.offset_m[ray.beam]) > reach_m) return;
-    const double turn = std::atan2(ray.direction_lidar.y(), ray.direction_lidar.x()) / (2 * kPi) + 0.5;
-    covered[std::min(kAzimuthBins - 1, static_cast<std::size_t>(turn * static_cast<double>(kAzimuthBins)))] = true;
-  });
+  for (const RayBlock& block : sample) {
+    BlockHits hits;
+    posed.cast(block, hits);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      if (!(posed.height_m()[static_cast<std::size_t>(hits.face[i])] > 0)) continue;
+      const auto off_m = static_cast<double>(block.range_m[i] - 1 / hits.inverse_m[i]);
+      if (std::abs(off_m - state.offset_m[block.beam[i]]) > reach_m) continue;
+      const double turn = static_cast<double>(std::atan2(block.y[i], block.x[i])) / (2 * kPi) + 0.5;
+      covered[std::min(kAzimuthBins - 1, static_cast<std::size_t>(turn * static_cast<double>(kAzimuthBins)))] = true;
+    }
+  }
   return static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(kAzimuthBins);
 }
 

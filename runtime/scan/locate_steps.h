@@ -14,11 +14,8 @@ namespace roomcal::scan {
 /// @return kInvalidArgument: no sweep, sigmas that are none, a prior without a positive definite covariance.
 Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sensor, const PosePrior* prior);
 
-/// Rays spread over the joined sweeps. @return how many.
-std::size_t take_sample(const SweepView& view, const SensorModel& sensor, std::span<Ray> sample);
-
-/// Share of the sensor's horizon covered by points that fit, from some thousand points.
-double azimuth_coverage(const SweepView& view, const RefineInput& input, const RangeState& state);
+/// Share of the sensor's horizon covered by points that fit.
+double azimuth_coverage(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state);
 
 /// How the points fit, as gathered at `state`.
 void fill_counts(const RangeSums& sums, const SensorModel& sensor, double sigma_m, const RangeState& state,

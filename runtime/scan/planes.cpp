@@ -34,22 +34,53 @@ class Draw {
   uint32_t state_ = 2463534242U;
 };
 
-using Members = FixedVector<uint16_t, kMaxSample>;
+/// Points side by side.
+template <std::size_t kCapacity>
+struct Points {
+  std::array<float, kCapacity> x, y, z;
+  std::size_t count = 0;
 
-Vec3 point_of(const Ray& ray) { return ray.range_m * ray.direction_lidar; }
+  Vec3 at(std::size_t i) const {
+    return Vec3(static_cast<double>(x[i]), static_cast<double>(y[i]), static_cast<double>(z[i]));
+  }
+  void add(float px, float py, float pz) {
+    x[count] = px;
+    y[count] = py;
+    z[count] = pz;
+    ++count;
+  }
+};
+
+/// A plane in floats, to ask many points.
+struct Sieve {
+  Sieve(const SweepPlane& plane, double tolerance_m)
+      : nx(static_cast<float>(plane.normal_lidar.x())),
+        ny(static_cast<float>(plane.normal_lidar.y())),
+        nz(static_cast<float>(plane.normal_lidar.z())),
+        d(static_cast<float>(plane.d_m)),
+        tolerance(static_cast<float>(tolerance_m)) {}
+  template <typename Cloud>
+  bool holds(const Cloud& points, std::size_t i) const {
+    return std::abs(nx * points.x[i] + ny * points.y[i] + nz * points.z[i] + d) < tolerance;
+  }
+  float nx, ny, nz, d, tolerance;
+};
 
 class Extractor {
  public:
-  Extractor(std::span<const Ray> sample, double sigma_m) : sample_(sample), tolerance_m_(3 * sigma_m) {
-    for (std::size_t i = 0; i < sample.size(); ++i) {
-      if (!free_.push_back(static_cast<uint16_t>(i))) break;
+  Extractor(std::span<const RayBlock> sample, double sigma_m) : tolerance_m_(3 * sigma_m) {
+    for (const RayBlock& block : sample) {
+      for (std::size_t i = 0; i < block.count && free_.count < Samples::kMaxRays; ++i) {
+        const float range_m = block.range_m[i];
+        free_.add(range_m * block.x[i], range_m * block.y[i], range_m * block.z[i]);
+      }
     }
-    min_points_ = std::max(kMinPoints, static_cast<std::size_t>(kMinShare * static_cast<double>(free_.size())));
+    min_points_ = std::max(kMinPoints, static_cast<std::size_t>(kMinShare * static_cast<double>(free_.count)));
   }
 
   /// The best plane among the free points; false if none is left.
   bool next(SweepPlane& plane) {
-    if (free_.size() < min_points_ || !best_triple(plane)) return false;
+    if (free_.count < min_points_ || !best_triple(plane)) return false;
     for (int round = 0; round < 3; ++round) {
       if (!refit(plane)) return false;
     }
@@ -60,12 +91,15 @@ class Extractor {
  private:
   bool best_triple(SweepPlane& best) {
     std::size_t most = 2;
-    const std::size_t step = std::max<std::size_t>(1, free_.size() / kProbe);
+    const std::size_t step = (free_.count + kProbe - 1) / kProbe;
+    probe_.count = 0;
+    for (std::size_t i = 0; i < free_.count; i += step) probe_.add(free_.x[i], free_.y[i], free_.z[i]);
     for (int draw = 0; draw < kDraws; ++draw) {
       SweepPlane plane;
       if (!through_triple(plane)) continue;
-      std::size_t count = 0;
-      for (std::size_t i = 0; i < free_.size(); i += step) count += on_plane(plane, free_[i]) ? 1U : 0U;
+      const Sieve sieve(plane, tolerance_m_);
+      uint32_t count = 0;
+      for (std::size_t i = 0; i < probe_.count; ++i) count += sieve.holds(probe_, i) ? 1U : 0U;
       if (count <= most) continue;
       most = count;
       best = plane;
@@ -74,16 +108,14 @@ class Extractor {
   }
 
   bool through_triple(SweepPlane& plane) {
-    const std::size_t i = draw_.below(free_.size());
-    const auto near = [&] {
-      return (i + 1 + draw_.below(2 * kNeighbours) + free_.size() - kNeighbours) % free_.size();
-    };
-    if (free_.size() <= kNeighbours) return through(i, draw_.below(free_.size()), draw_.below(free_.size()), plane);
+    const std::size_t i = draw_.below(free_.count);
+    const auto near = [&] { return (i + 1 + draw_.below(2 * kNeighbours) + free_.count - kNeighbours) % free_.count; };
+    if (free_.count <= kNeighbours) return through(i, draw_.below(free_.count), draw_.below(free_.count), plane);
     return through(i, near(), near(), plane);
   }
 
   bool through(std::size_t i, std::size_t j, std::size_t k, SweepPlane& plane) const {
-    const Vec3 a = point_of(sample_[free_[i]]), b = point_of(sample_[free_[j]]), c = point_of(sample_[free_[k]]);
+    const Vec3 a = free_.at(i), b = free_.at(j), c = free_.at(k);
     const Vec3 cross = (b - a).cross(c - a);
     const double longest_m = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
     if (!(cross.norm() > 4 * tolerance_m_ * longest_m)) return false;  // a sliver: its normal is noise
@@ -92,18 +124,14 @@ class Extractor {
     return true;
   }
 
-  bool on_plane(const SweepPlane& plane, uint16_t i) const {
-    const Ray& ray = sample_[i];
-    return std::abs(plane.normal_lidar.dot(ray.direction_lidar) * ray.range_m + plane.d_m) < tolerance_m_;
-  }
-
   bool refit(SweepPlane& plane) const {
+    const Sieve sieve(plane, tolerance_m_);
     Vec3 sum = Vec3::Zero();
     Mat33 squares = Mat33::Zero();
     std::size_t count = 0;
-    for (const uint16_t i : free_) {
-      if (!on_plane(plane, i)) continue;
-      const Vec3 p = point_of(sample_[i]);
+    for (std::size_t i = 0; i < free_.count; ++i) {
+      if (!sieve.holds(free_, i)) continue;
+      const Vec3 p = free_.at(i);
       sum += p;
       squares += p * p.transpose();
       ++count;
@@ -123,17 +151,18 @@ class Extractor {
   }
 
   void take_away(const SweepPlane& plane) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < free_.size(); ++i) {
-      if (!on_plane(plane, free_[i])) free_[kept++] = free_[i];
+    const Sieve sieve(plane, tolerance_m_);
+    const std::size_t count = free_.count;
+    free_.count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!sieve.holds(free_, i)) free_.add(free_.x[i], free_.y[i], free_.z[i]);
     }
-    free_.truncate(kept);
   }
 
-  std::span<const Ray> sample_;
   double tolerance_m_;
   std::size_t min_points_ = kMinPoints;
-  Members free_;
+  Points<Samples::kMaxRays> free_;
+  Points<kProbe> probe_;
   Draw draw_;
 };
 
@@ -154,7 +183,7 @@ Corner corner_of(const SweepPlanes& planes, std::size_t i, std::size_t j, std::s
 
 }  // namespace
 
-SweepPlanes extract_planes(std::span<const Ray> sample, double sigma_m) {
+SweepPlanes extract_planes(std::span<const RayBlock> sample, double sigma_m) {
   SweepPlanes planes;
   Extractor extractor(sample, sigma_m);
   SweepPlane plane;

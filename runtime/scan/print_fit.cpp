@@ -52,30 +52,33 @@ std::size_t annulus_at(const Surface& surface, std::size_t face, const Vec3& p_r
 std::size_t PrintMatcher::take(const Surface& surface, const SweepView& view, const SensorModel& sensor,
                                const RangeState& state, const Vec3& axis_room, std::size_t stride, double near_shift_m,
                                bool near_only, std::span<Spot> spots, Vec3& sum_room) {
-  PosedSurface posed;
   const SE3& T = state.T_room_lidar;
-  posed.set(surface, T);
+  const PosedSurface posed(surface, T);
+  BlockHits hits;
   std::size_t count = 0;
   sum_room.setZero();
-  for_each_ray(view, sensor, stride, [&](const Ray& ray) {
-    const RayHit hit = posed.first_hit(ray.direction_lidar);
-    if (hit.face == kNoFace || count == spots.size()) return;
-    if (std::abs(ray.range_m - hit.range_m - state.offset_m[ray.beam]) > kFits_m) return;
-    const auto face = static_cast<std::size_t>(hit.face);
-    const Vec3& normal = surface.faces()[face].normal_room;
-    const Vec3 direction = T.R * ray.direction_lidar;
-    const Vec3 slide = axis_room - direction * (normal.dot(axis_room) / normal.dot(direction));
-    const Vec3 p_room = T.t + hit.range_m * direction;
-    constexpr double kMargin = 2;  // radii: what belongs to the surroundings of a print
-    if (near_only && annulus_at(surface, face, p_room + near_shift_m * slide, kMargin) == kNoAnnulus) return;
-    Spot& spot = spots[count++];
-    for (int i = 0; i < 3; ++i) {
-      spot.p_room[static_cast<std::size_t>(i)] = static_cast<float>(p_room[i]);
-      spot.slide[static_cast<std::size_t>(i)] = static_cast<float>(slide[i]);
+  for_each_block(view, sensor, stride, [&](const RayBlock& block) {
+    posed.cast(block, hits);
+    for (std::size_t i = 0; i < block.count && count < spots.size(); ++i) {
+      const auto face = static_cast<std::size_t>(hits.face[i]);
+      if (!(posed.height_m()[face] > 0)) continue;
+      const double range_m = 1 / static_cast<double>(hits.inverse_m[i]);
+      if (std::abs(static_cast<double>(block.range_m[i]) - range_m - state.offset_m[block.beam[i]]) > kFits_m) continue;
+      const Vec3& normal = surface.faces()[face].normal_room;
+      const Vec3 direction = T.R * block.direction_lidar(i);
+      const Vec3 slide = axis_room - direction * (normal.dot(axis_room) / normal.dot(direction));
+      const Vec3 p_room = T.t + range_m * direction;
+      constexpr double kMargin = 2;  // radii: what belongs to the surroundings of a print
+      if (near_only && annulus_at(surface, face, p_room + near_shift_m * slide, kMargin) == kNoAnnulus) continue;
+      Spot& spot = spots[count++];
+      for (int k = 0; k < 3; ++k) {
+        spot.p_room[static_cast<std::size_t>(k)] = static_cast<float>(p_room[k]);
+        spot.slide[static_cast<std::size_t>(k)] = static_cast<float>(slide[k]);
+      }
+      spot.reflectivity = static_cast<float>(block.reflectivity[i]);
+      spot.face = static_cast<uint16_t>(face);
+      sum_room += p_room;
     }
-    spot.reflectivity = static_cast<float>(ray.reflectivity);
-    spot.face = static_cast<uint16_t>(face);
-    sum_room += p_room;
   });
   return count;
 }

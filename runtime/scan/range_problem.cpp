@@ -1,111 +1,120 @@
 #include "runtime/scan/range_problem.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 
-#include "runtime/math/robust_loss.h"
+#include "runtime/scan/weigh_block.h"
 
 namespace roomcal::scan {
 
 namespace {
 
-constexpr double kMinCosIncidence = 0.08;  // flatter than 85 degrees, a return says where the beam's rim was
-constexpr double kBeyond = 5;              // sigmas behind a face that count as seen through it
-
-/// Adds w J J' to the lower triangle: a third of the work of the full product.
-void add_outer(double w, const Vec6& J, Mat66& A) {
-  for (int c = 0; c < 6; ++c) {
-    const double scaled = w * J[c];
-    for (int r = c; r < 6; ++r) A(r, c) += scaled * J[r];
-  }
-}
-
 double offset_information(const SensorModel& sensor) {
   return 1 / (sensor.beam_offset_sigma_m * sensor.beam_offset_sigma_m);
 }
 
-/// One pass over the points; what it needs for each of them, prepared.
+WeighOptions weigh_options(const SensorModel& sensor, const RangeState& state, const PassOptions& options) {
+  WeighOptions weigh;
+  weigh.variance_m2 = static_cast<float>(options.sigma_m * options.sigma_m);
+  weigh.angle_variance = static_cast<float>(sensor.angle_sigma_rad * sensor.angle_sigma_rad);
+  weigh.turn_over = static_cast<float>(options.turn_over);
+  for (std::size_t i = 0; i < kMaxFaces; ++i) weigh.face_weight[i] = (options.mute >> i & 1U) == 0 ? 1 : 0;
+  weigh.face_weight[kNoFace] = 0;
+  for (std::size_t k = 0; k < kMaxBeams; ++k) weigh.offset_m[k] = static_cast<float>(state.offset_m[k]);
+  return weigh;
+}
+
+/// One pass over the points; what it needs for each block of them, prepared.
 class Gatherer {
  public:
   Gatherer(const Surface& surface, const SensorModel& sensor, const RangeState& state, const PassOptions& options,
            RangeSums& sums)
-      : state_(state),
-        options_(options),
-        loss_(options.turn_over),
-        variance_m2_(options.sigma_m * options.sigma_m),
-        angle_variance_(sensor.angle_sigma_rad * sensor.angle_sigma_rad),
+      : posed_(surface, state.T_room_lidar),
+        weigh_(weigh_options(sensor, state, options)),
+        evidence_(options.evidence),
         sums_(sums) {
-    posed_.set(surface, state.T_room_lidar);
+    sums_ = {};
   }
 
-  void add(const Ray& ray) {
-    ++sums_.valid;
-    const RayHit hit = posed_.first_hit(ray.direction_lidar);
-    if (hit.face == kNoFace) {
-      if (hit.from_behind) contradict();
-      return;
+  void add(const RayBlock& block) {
+    posed_.cast(block, hits_);
+    weigh_block(posed_, block, hits_, weigh_, weighed_);
+    add_block(weighed_, lanes_);
+    count(block);
+    if (evidence_) add_evidence(block);
+  }
+
+  void finish() {
+    std::size_t which = 0;
+    for (int c = 0; c < 6; ++c) {
+      for (int r = c; r < 6; ++r) sums_.A(r, c) = sums_.A(c, r) = lanes_.total(which++);
+      sums_.g[c] = lanes_.total(LaneSums::kProducts + static_cast<std::size_t>(c));
     }
-    const auto face = static_cast<std::size_t>(hit.face);
-    const RangePrediction at = predict_range(posed_.normal_lidar(face), posed_.height_m(face), ray.direction_lidar);
-    if (at.cos_incidence < kMinCosIncidence) return;
-    ++sums_.mapped;
-    ++sums_.face[face].predicted;
-    const double tan2 = 1 / (at.cos_incidence * at.cos_incidence) - 1;
-    const double information = 1 / (variance_m2_ + angle_variance_ * tan2 * at.range_m * at.range_m);
-    const double residual_m = ray.range_m - at.range_m - state_.offset_m[ray.beam];
-    const double squared = residual_m * residual_m * information;
-    const LossAndWeight robust = loss_(squared);
-    sums_.loss += robust.loss;
-    if (residual_m > 0 && squared > kBeyond * kBeyond) ++sums_.beyond;
-    if (robust.weight >= RedescendingLoss::kOutlierWeight) {
-      ++sums_.inliers;
-      ++sums_.face[face].inliers;
-      sums_.inlier_squares += squared;
-    }
-    if ((options_.mute >> face & 1U) == 0) weigh(ray, at, robust.weight * information, residual_m);
+    sums_.loss = lanes_.total(LaneSums::kLoss);
+    sums_.inlier_squares = lanes_.total(LaneSums::kInlierSquares);
   }
 
  private:
-  void contradict() {
-    ++sums_.mapped;
-    ++sums_.beyond;
-    sums_.loss += loss_.max_loss();
+  void count(const RayBlock& block) {
+    sums_.valid += block.count;
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const int32_t flags = weighed_.flags[i];
+      sums_.beyond += (flags & kRayBeyond) != 0 ? 1U : 0U;
+      // The back of a face counts as mapped, and as contradicted.
+      sums_.mapped += (flags & (kRayMapped | kRayBeyond)) != 0 ? 1U : 0U;
+      if ((flags & kRayMapped) == 0) continue;
+      const uint32_t inlier = (flags & kRayInlier) != 0 ? 1U : 0U;
+      RangeSums::FaceCount& face = sums_.face[static_cast<std::size_t>(hits_.face[i])];
+      ++face.predicted;
+      face.inliers += inlier;
+      sums_.inliers += inlier;
+      if (weighed_.weight[i] > 0) add_to_beam(i, sums_.beam[block.beam[i]]);
+    }
   }
 
-  void weigh(const Ray& ray, const RangePrediction& at, double weight, double residual_m) {
-    add_outer(weight, at.J, sums_.A);
-    sums_.g += weight * residual_m * at.J;
-    RangeSums::Beam& beam = sums_.beam[ray.beam];
-    beam.v += weight * at.J;
+  void add_to_beam(std::size_t i, RangeSums::Beam& beam) {
+    const auto weight = static_cast<double>(weighed_.weight[i]);
+    for (std::size_t k = 0; k < 6; ++k) {
+      beam.v[static_cast<Eigen::Index>(k)] += weight * static_cast<double>(weighed_.J[k][i]);
+    }
     beam.weight += weight;
-    beam.residual += weight * residual_m;
+    beam.residual += weight * static_cast<double>(weighed_.residual_m[i]);
     ++beam.points;
   }
 
-  const RangeState& state_;
-  const PassOptions& options_;
-  RedescendingLoss loss_;
-  double variance_m2_, angle_variance_;
-  RangeSums& sums_;
+  void add_evidence(const RayBlock& block) {
+    BlockHits behind;
+    alignas(64) BlockFloats evidence;
+    posed_.cast_behind(block, hits_, behind);
+    weigh_evidence(block, behind, weigh_, weighed_, static_cast<float>(kUnmappedLoss), evidence);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      if ((weighed_.flags[i] & kRayMapped) == 0) continue;
+      sums_.face[static_cast<std::size_t>(hits_.face[i])].evidence += static_cast<double>(evidence[i]);
+    }
+  }
+
   PosedSurface posed_;
+  WeighOptions weigh_;
+  bool evidence_;
+  RangeSums& sums_;
+  LaneSums lanes_;
+  BlockHits hits_;
+  WeighedBlock weighed_;
 };
 
 }  // namespace
 
-void gather(const Surface& surface, const SweepView& view, const SensorModel& sensor, const RangeState& state,
-            const PassOptions& options, RangeSums& sums) {
-  sums = {};
+void gather(const Surface& surface, const SweepView& view, std::size_t stride, const SensorModel& sensor,
+            const RangeState& state, const PassOptions& options, RangeSums& sums) {
   Gatherer gatherer(surface, sensor, state, options, sums);
-  for_each_ray(view, sensor, options.stride, [&](const Ray& ray) { gatherer.add(ray); });
-  sums.A.triangularView<Eigen::StrictlyUpper>() = sums.A.transpose();
+  for_each_block(view, sensor, stride, [&](const RayBlock& block) { gatherer.add(block); });
+  gatherer.finish();
 }
 
-void gather(const Surface& surface, std::span<const Ray> rays, const SensorModel& sensor, const RangeState& state,
+void gather(const Surface& surface, std::span<const RayBlock> rays, const SensorModel& sensor, const RangeState& state,
             const PassOptions& options, RangeSums& sums) {
-  sums = {};
   Gatherer gatherer(surface, sensor, state, options, sums);
-  for (std::size_t i = 0; i < rays.size(); i += fair_stride(options.stride)) gatherer.add(rays[i]);
-  sums.A.triangularView<Eigen::StrictlyUpper>() = sums.A.transpose();
+  for (const RayBlock& block : rays) gatherer.add(block);
+  gatherer.finish();
 }
 
 PoseInformation condense(const RangeSums& sums, const SensorModel& sensor, const RangeState& state) {

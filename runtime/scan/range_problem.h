@@ -7,8 +7,8 @@
 
 #include "runtime/base/status.h"
 #include "runtime/math/pose_information.h"
-#include "runtime/scan/ray_cast.h"
-#include "runtime/scan/sweep_view.h"
+#include "runtime/scan/ray_block.h"
+#include "runtime/scan/surface.h"
 
 namespace roomcal::scan {
 
@@ -24,23 +24,6 @@ struct PosePrior {
   Mat66 cov = Mat66::Identity();  ///< right perturbation, positive definite
 };
 
-/// Predicted range along a unit direction to a plane and its derivative by (rho, phi) of a right perturbation:
-///     range = -h / s,  h = n . t + d,  s = n . R direction,  J = -(n_l, range direction x n_l) / s,  n_l = R' n.
-struct RangePrediction {
-  double range_m = 0;
-  Vec6 J = Vec6::Zero();
-  double cos_incidence = 0;
-};
-inline RangePrediction predict_range(const Vec3& normal_lidar, double height_m, const Vec3& direction_lidar) {
-  const double speed = normal_lidar.dot(direction_lidar);
-  RangePrediction prediction;
-  prediction.range_m = -height_m / speed;
-  prediction.cos_incidence = -speed;
-  prediction.J.head<3>() = -normal_lidar / speed;
-  prediction.J.tail<3>() = -(prediction.range_m / speed) * direction_lidar.cross(normal_lidar);
-  return prediction;
-}
-
 /// What one pass over the points gathers.
 struct RangeSums {
   /// Of one beam: derivative of its offset against the pose, its own weight, its weighted residuals.
@@ -53,9 +36,10 @@ struct RangeSums {
   struct FaceCount {
     uint32_t predicted = 0;  ///< points that should lie on it
     uint32_t inliers = 0;
+    double evidence = 0;  ///< how much better it explains them than the plane behind it would, sigmas^2; if asked for
   };
 
-  Mat66 A = Mat66::Zero();  ///< pose x pose, whitened; lower triangle while it is gathered
+  Mat66 A = Mat66::Zero();  ///< pose x pose, whitened
   Vec6 g = Vec6::Zero();
   std::array<Beam, kMaxBeams> beam{};
   std::array<FaceCount, kMaxFaces> face{};
@@ -68,19 +52,22 @@ struct RangeSums {
 };
 
 struct PassOptions {
-  std::size_t stride = 1;
   double sigma_m = 0.015;
-  double turn_over = 3;  ///< of the robust loss, sigmas
-  uint64_t mute = 0;     ///< bits of faces whose points carry no weight
+  double turn_over = 3;   ///< of the robust loss, sigmas
+  uint64_t mute = 0;      ///< bits of faces whose points carry no weight
+  bool evidence = false;  ///< whether FaceCount::evidence is wanted
 };
 
-/// One pass: association by ray casting at the state, residuals, derivatives, sums.
-/// Cost: 60 to 80 ns a point for a room of ten faces; no memory.
-void gather(const Surface& surface, const SweepView& view, const SensorModel& sensor, const RangeState& state,
-            const PassOptions& options, RangeSums& sums);
+/// Loss of a ray that nothing is predicted for: half-way between explained and contradicted.
+inline constexpr double kUnmappedLoss = 9;
 
-/// The same over rays that were decoded before.
-void gather(const Surface& surface, std::span<const Ray> rays, const SensorModel& sensor, const RangeState& state,
+/// One pass over every stride-th point: association by ray casting at the state, residuals, derivatives, sums.
+/// Cost: some 15 ns a point for a room of ten faces; no memory.
+void gather(const Surface& surface, const SweepView& view, std::size_t stride, const SensorModel& sensor,
+            const RangeState& state, const PassOptions& options, RangeSums& sums);
+
+/// The same over rays that were read before.
+void gather(const Surface& surface, std::span<const RayBlock> rays, const SensorModel& sensor, const RangeState& state,
             const PassOptions& options, RangeSums& sums);
 
 /// The pose's normal equations with the beam offsets eliminated (Schur complement), offset prior included.

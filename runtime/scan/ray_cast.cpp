@@ -1,100 +1,129 @@
 #include "runtime/scan/ray_cast.h"
 
-#include <limits>
+#include <cmath>
 
+#include "runtime/base/vector_clones.h"
+
+// Compiled as vector code, see CMakeLists.txt.
 namespace roomcal::scan {
 
 namespace {
 
-constexpr float kNever = std::numeric_limits<float>::infinity();
-constexpr float kTouching_m = 1e-4F;  // nothing is nearer
-constexpr std::size_t kLanes = 8;     // the loop over planes runs in whole vectors
+constexpr double kTouching_m = 1e-4;  // a plane this near is not seen
 constexpr double kEdge_m = 1e-4;      // neighbours share an edge: no ray slips between them
+
+/// A linear form of directions and its bounds over a block's box.
+struct Form {
+  float x, y, z;
+};
+struct Bounds {
+  float low, high;
+};
+Bounds bounds_of(const Form& form, const RayBlock& block) {
+  const float middle = form.x * block.middle[0] + form.y * block.middle[1] + form.z * block.middle[2];
+  const float reach =
+      std::abs(form.x) * block.reach[0] + std::abs(form.y) * block.reach[1] + std::abs(form.z) * block.reach[2];
+  return {middle - reach, middle + reach};
+}
+
+void evaluate(const Form& form, const RayBlock& block, BlockFloats& value) {
+  for (std::size_t i = 0; i < kBlockRays; ++i)
+    value[i] = form.x * block.x[i] + form.y * block.y[i] + form.z * block.z[i];
+}
+
+/// value = min(value, form . d).
+void narrow(const Form& form, const RayBlock& block, BlockFloats& value) {
+  for (std::size_t i = 0; i < kBlockRays; ++i) {
+    const float at = form.x * block.x[i] + form.y * block.y[i] + form.z * block.z[i];
+    value[i] = at < value[i] ? at : value[i];
+  }
+}
+
+void keep_nearer(int32_t face, const BlockFloats& inverse_m, const BlockFloats& inside, BlockHits& hits) {
+  for (std::size_t i = 0; i < kBlockRays; ++i) {
+    const float met = inverse_m[i], before = hits.inverse_m[i];
+    const int32_t face_before = hits.face[i];
+    const float candidate = inside[i] > 0 ? met : 0;
+    hits.inverse_m[i] = candidate > before ? met : before;
+    hits.face[i] = candidate > before ? face : face_before;
+  }
+}
+
+void clear(BlockHits& hits) {
+  hits.inverse_m.fill(0);
+  hits.face.fill(kNoFace);
+}
 
 }  // namespace
 
 void PosedSurface::set(const Surface& surface, const SE3& T_room_lidar) {
-  surface_ = &surface;
-  T_room_lidar_ = T_room_lidar;
   count_ = surface.faces().size();
-  padded_ = (count_ + kLanes - 1) / kLanes * kLanes;
+  const Mat33 R_lidar_room = T_room_lidar.R.transpose();
+  std::size_t edge = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const Face& face = surface.faces()[i];
-    const Vec3 n = T_room_lidar.R.transpose() * face.normal_room;
-    const double h = face.normal_room.dot(T_room_lidar.t) + face.d_m;
-    normal_lidar_[i] = n;
-    height_m_[i] = h;
-    nx_[i] = static_cast<float>(n.x());
-    ny_[i] = static_cast<float>(n.y());
-    nz_[i] = static_cast<float>(n.z());
-    h_[i] = static_cast<float>(h);
+    const double height_m = face.normal_room.dot(T_room_lidar.t) + face.d_m;
+    const bool touching = std::abs(height_m) < kTouching_m;
+    const Vec3 g = touching ? Vec3(Vec3::Zero()) : Vec3(R_lidar_room * face.normal_room / -height_m);
+    height_m_[i] = touching ? 0 : static_cast<float>(height_m);
+    gx_[i] = static_cast<float>(g.x());
+    gy_[i] = static_cast<float>(g.y());
+    gz_[i] = static_cast<float>(g.z());
+    first_edge_[i] = static_cast<uint16_t>(edge);
+    for (const FaceEdge& of : surface.edges(face)) {
+      const double inside_m = of.inward_room.dot(T_room_lidar.t) + of.d_m + kEdge_m;
+      const Vec3 e = R_lidar_room * of.inward_room + inside_m * g;
+      ex_[edge] = static_cast<float>(e.x());
+      ey_[edge] = static_cast<float>(e.y());
+      ez_[edge] = static_cast<float>(e.z());
+      ++edge;
+    }
   }
-  for (std::size_t i = count_; i < padded_; ++i) {
-    nx_[i] = ny_[i] = nz_[i] = 0;
-    h_[i] = 0;
-  }
+  first_edge_[count_] = static_cast<uint16_t>(edge);
+  gx_[kNoFace] = gy_[kNoFace] = gz_[kNoFace] = height_m_[kNoFace] = 0;
 }
 
-void PosedSurface::plane_ranges(const Vec3& direction_lidar, Ranges& range_m) const {
-  const float x = static_cast<float>(direction_lidar.x());
-  const float y = static_cast<float>(direction_lidar.y());
-  const float z = static_cast<float>(direction_lidar.z());
-  for (std::size_t i = 0; i < padded_; ++i) {
-    const float speed = nx_[i] * x + ny_[i] * y + nz_[i] * z;
-    const float range = -h_[i] / speed;  // infinite or not a number along the plane, negative away from it
-    range_m[i] = range > kTouching_m ? range : kNever;
-  }
-}
-
-bool PosedSurface::inside_outline(int face, const Vec3& p_lidar) const {
-  const Vec3 p_room = T_room_lidar_ * p_lidar;
-  for (const FaceEdge& edge : surface_->edges(surface_->faces()[static_cast<std::size_t>(face)])) {
-    if (edge.inward_room.dot(p_room) + edge.d_m < -kEdge_m) return false;
-  }
-  return true;
-}
-
-double PosedSurface::exact_range_m(int face, const Vec3& direction_lidar) const {
-  const auto i = static_cast<std::size_t>(face);
-  return -height_m_[i] / normal_lidar_[i].dot(direction_lidar);
-}
-
-int PosedSurface::nearest(const Vec3& direction_lidar, Ranges& range_m) const {
-  for (;;) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < count_; ++i) best = range_m[i] < range_m[best] ? i : best;
-    if (count_ == 0 || range_m[best] == kNever) return kNoFace;
-    const int face = static_cast<int>(best);
-    if (inside_outline(face, static_cast<double>(range_m[best]) * direction_lidar)) return face;
-    range_m[best] = kNever;
-  }
-}
-
-RayHit PosedSurface::first_hit(const Vec3& direction_lidar) const {
-  Ranges range_m;
-  plane_ranges(direction_lidar, range_m);
-  const int face = nearest(direction_lidar, range_m);
-  if (face == kNoFace) return {};
-  if (height_m_[static_cast<std::size_t>(face)] < 0) return {kNoFace, 0, true};
-  return {face, exact_range_m(face, direction_lidar), false};
-}
-
-RayHits PosedSurface::first_two_hits(const Vec3& direction_lidar) const {
-  RayHits hits;
-  hits.first = first_hit(direction_lidar);
-  if (hits.first.face == kNoFace) return hits;
-  Ranges range_m;
-  plane_ranges(direction_lidar, range_m);
-  const auto behind_m = static_cast<float>(hits.first.range_m);
-  float nearest_m = kNever;
+ROOMCAL_VECTOR_CLONES void PosedSurface::cast(const RayBlock& block, BlockHits& hits) const {
+  alignas(64) BlockFloats inverse_m, inside;
+  clear(hits);
   for (std::size_t i = 0; i < count_; ++i) {
-    if (static_cast<int>(i) == hits.first.face || height_m_[i] < 0) continue;
-    if (range_m[i] < behind_m || range_m[i] >= nearest_m) continue;
-    nearest_m = range_m[i];
-    hits.second.face = static_cast<int>(i);
+    const Form plane{gx_[i], gy_[i], gz_[i]};
+    if (!(bounds_of(plane, block).high > 0)) continue;
+    std::array<Form, kMaxFaceEdges> cutting;
+    std::size_t cuts = 0;
+    bool reached = true;
+    for (std::size_t k = first_edge_[i]; k < first_edge_[i + 1] && reached; ++k) {
+      const Form edge{ex_[k], ey_[k], ez_[k]};
+      const Bounds bounds = bounds_of(edge, block);
+      reached = bounds.high > 0;
+      if (bounds.low <= 0) cutting[cuts++] = edge;
+    }
+    if (!reached) continue;
+    evaluate(plane, block, inverse_m);
+    inside = inverse_m;
+    for (std::size_t k = 0; k < cuts; ++k) narrow(cutting[k], block, inside);
+    keep_nearer(static_cast<int32_t>(i), inverse_m, inside, hits);
   }
-  if (hits.second.face != kNoFace) hits.second.range_m = exact_range_m(hits.second.face, direction_lidar);
-  return hits;
+}
+
+ROOMCAL_VECTOR_CLONES void PosedSurface::cast_behind(const RayBlock& block, const BlockHits& first,
+                                                     BlockHits& behind) const {
+  alignas(64) BlockFloats inverse_m;
+  clear(behind);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Form plane{gx_[i], gy_[i], gz_[i]};
+    if (!(height_m_[i] > 0) || !(bounds_of(plane, block).high > 0)) continue;
+    evaluate(plane, block, inverse_m);
+    const auto face = static_cast<int32_t>(i);
+    for (std::size_t k = 0; k < kBlockRays; ++k) {
+      const float met = inverse_m[k], before = behind.inverse_m[k];
+      const int32_t face_before = behind.face[k];
+      const float farther = met <= first.inverse_m[k] ? met : 0;
+      const float candidate = first.face[k] != face ? farther : 0;
+      behind.inverse_m[k] = candidate > before ? met : before;
+      behind.face[k] = candidate > before ? face : face_before;
+    }
+  }
 }
 
 }  // namespace roomcal::scan

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "runtime/math/robust_loss.h"
+#include "runtime/scan/ray_cast.h"
 
 namespace roomcal::scan {
 
@@ -14,19 +14,19 @@ namespace {
 
 constexpr double kTurnOver = 3;       // sigmas
 constexpr double kStepSigma_m = 0.3;  // an axis that nothing fixes does not run away
-constexpr double kUnmappedLoss = 9;   // half-way between explained and contradicted
 constexpr double kEvidence = 12;      // sigmas^2 that a face must explain
-constexpr std::size_t kSettlePoints = 600;
 constexpr std::size_t kThin = 5;
 constexpr int kThinRounds = 5;
+constexpr int kFirstRounds = 2;  // over all points, before the faces are judged
 constexpr int kFullRounds = 10;
+constexpr int kMuteRounds = 3;
 constexpr int kNearRounds = 4;
 constexpr double kStuck = 1e3;
 constexpr double kConverged = 0.33;  // sigmas
 constexpr std::array<double, 6> kSettle_m = {0.35, 0.25, 0.18, 0.12, 0.08, 0.05};
 
-PassOptions pass(const RefineInput& input, std::size_t stride, double turn_over_m) {
-  return {stride, input.sigma_m, std::max(kTurnOver, turn_over_m / input.sigma_m), input.mute};
+PassOptions pass(const RefineInput& input, double turn_over_m, bool evidence = false) {
+  return {input.sigma_m, std::max(kTurnOver, turn_over_m / input.sigma_m), input.mute, evidence};
 }
 
 }  // namespace
@@ -91,46 +91,77 @@ bool descend(const Gather& gather_at, const RefineInput& input, int rounds, Rang
 
 }  // namespace
 
-void settle(std::span<const Ray> sample, const RefineInput& input, double reach_m, RangeState& state) {
+void settle(std::span<const RayBlock> sample, const RefineInput& input, double reach_m, RangeState& state) {
   RangeSums sums;
-  const std::size_t stride = std::max<std::size_t>(1, sample.size() / kSettlePoints);
   for (const double turn_over_m : kSettle_m) {
     if (turn_over_m > reach_m) continue;
-    gather(input.surface, sample, input.sensor, state, pass(input, stride, turn_over_m), sums);
+    gather(input.surface, sample, input.sensor, state, pass(input, turn_over_m), sums);
     if (step_state(sums, input, state) < 0) return;
   }
-  settle_near(sample, input, stride, state);
+  settle_near(sample, input, state);
 }
 
-void settle_near(std::span<const Ray> sample, const RefineInput& input, std::size_t stride, RangeState& state) {
+void settle_near(std::span<const RayBlock> sample, const RefineInput& input, RangeState& state) {
   RangeSums sums;
   RangeState linearized_at;
   const auto gather_at = [&](const RangeState& at, RangeSums& into) {
-    gather(input.surface, sample, input.sensor, at, pass(input, stride, 0), into);
+    gather(input.surface, sample, input.sensor, at, pass(input, 0), into);
   };
   (void)descend(gather_at, input, kNearRounds, state, sums, linearized_at);
 }
 
-bool refine(const SweepView& view, const RefineInput& input, RangeState& state, RangeSums& sums,
-            RangeState& linearized_at) {
-  const auto gather_every = [&](std::size_t stride) {
-    return [&, stride](const RangeState& at, RangeSums& into) {
-      gather(input.surface, view, input.sensor, at, pass(input, stride, 0), into);
-    };
-  };
-  (void)descend(gather_every(kThin), input, kThinRounds, state, sums, linearized_at);
-  return descend(gather_every(1), input, kFullRounds, state, sums, linearized_at);
+namespace {
+
+/// Bits of faces that most of their points do not fit: what is left of them is the rim of something else.
+uint64_t faces_mostly_missed(const RangeSums& sums) {
+  uint64_t mute = 0;
+  for (std::size_t i = 0; i < kMaxFaces; ++i) {
+    if (2 * sums.face[i].inliers < sums.face[i].predicted) mute |= uint64_t{1} << i;
+  }
+  return mute;
 }
 
-double spread_m(std::span<const Ray> sample, const RefineInput& input, const RangeState& state,
+uint64_t faces_seen(const RangeSums& sums) {
+  uint64_t seen = 0;
+  for (std::size_t i = 0; i < kMaxFaces; ++i) seen |= (sums.face[i].predicted > 0 ? uint64_t{1} : uint64_t{0}) << i;
+  return seen;
+}
+
+}  // namespace
+
+bool refine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums, RangeState& linearized_at) {
+  const auto gather_every = [&](std::size_t stride, bool evidence) {
+    return [&, stride, evidence](const RangeState& at, RangeSums& into) {
+      gather(input.surface, view, stride, input.sensor, at, pass(input, 0, evidence), into);
+    };
+  };
+  (void)descend(gather_every(kThin, false), input, kThinRounds, state, sums, linearized_at);
+  // Grazing beams that change sides keep a solution from settling: mute first, complain later.
+  bool converged = false;
+  for (int round = 0; round < kMuteRounds; ++round) {
+    const int rounds = round == 0 ? kFirstRounds : kFullRounds;
+    converged = descend(gather_every(1, true), input, rounds, state, sums, linearized_at);
+    const uint64_t mute = faces_without_evidence(sums) | faces_mostly_missed(sums);
+    const bool same = ((mute ^ input.mute) & faces_seen(sums)) == 0;
+    input.mute = mute;
+    if (same && converged) break;
+  }
+  return converged;
+}
+
+double spread_m(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state,
                 std::span<float> scratch) {
-  PosedSurface posed;
-  posed.set(input.surface, state.T_room_lidar);
+  const PosedSurface posed(input.surface, state.T_room_lidar);
   std::size_t count = 0;
-  for (const Ray& ray : sample) {
-    const RayHit hit = posed.first_hit(ray.direction_lidar);
-    if (hit.face == kNoFace || count == scratch.size()) continue;
-    scratch[count++] = static_cast<float>(std::abs(ray.range_m - hit.range_m - state.offset_m[ray.beam]));
+  for (const RayBlock& block : sample) {
+    BlockHits hits;
+    posed.cast(block, hits);
+    for (std::size_t i = 0; i < block.count && count < scratch.size(); ++i) {
+      const auto face = static_cast<std::size_t>(hits.face[i]);
+      if (!(posed.height_m()[face] > 0)) continue;
+      const auto offset_m = static_cast<float>(state.offset_m[block.beam[i]]);
+      scratch[count++] = std::abs(block.range_m[i] - 1 / hits.inverse_m[i] - offset_m);
+    }
   }
   double sigma_m = 10;
   for (int round = 0; round < 6; ++round) {
@@ -151,58 +182,13 @@ double mean_loss(const RangeSums& sums) {
   return (sums.loss + kUnmappedLoss * unmapped) / static_cast<double>(sums.valid);
 }
 
-namespace {
-
-/// Sums, face by face, how much better the face explains its points than the plane behind it would.
-class Evidence {
- public:
-  Evidence(const RefineInput& input, const RangeState& state)
-      : state_(state), information_(1 / (input.sigma_m * input.sigma_m)) {
-    posed_.set(input.surface, state.T_room_lidar);
+uint64_t faces_without_evidence(const RangeSums& sums) {
+  uint64_t mute = 0;
+  for (std::size_t i = 0; i < kMaxFaces; ++i) {
+    if (sums.face[i].evidence < kEvidence) mute |= uint64_t{1} << i;
   }
-
-  void add(const Ray& ray) {
-    const RayHits hits = posed_.first_two_hits(ray.direction_lidar);
-    if (hits.first.face == kNoFace) return;
-    const double with = loss_of(ray, hits.first);
-    const double without = hits.second.face == kNoFace ? kUnmappedLoss : loss_of(ray, hits.second);
-    sum_[static_cast<std::size_t>(hits.first.face)] += without - with;
-  }
-
-  uint64_t faces_below(double least) const {
-    uint64_t mute = 0;
-    for (std::size_t i = 0; i < posed_.face_count(); ++i) {
-      if (sum_[i] < least) mute |= uint64_t{1} << i;
-    }
-    return mute;
-  }
-
- private:
-  double loss_of(const Ray& ray, const RayHit& hit) const {
-    const double residual_m = ray.range_m - state_.offset_m[ray.beam] - hit.range_m;
-    return loss_(residual_m * residual_m * information_).loss;
-  }
-
-  const RangeState& state_;
-  double information_;
-  RedescendingLoss loss_{kTurnOver};
-  PosedSurface posed_;
-  std::array<double, kMaxFaces> sum_{};
-};
+  return mute;
+}
 static_assert(kMaxFaces <= 64, "one bit a face");
-
-}  // namespace
-
-uint64_t faces_without_evidence(std::span<const Ray> sample, const RefineInput& input, const RangeState& state) {
-  Evidence evidence(input, state);
-  for (const Ray& ray : sample) evidence.add(ray);
-  return evidence.faces_below(kEvidence);
-}
-
-uint64_t faces_without_evidence(const SweepView& view, const RefineInput& input, const RangeState& state) {
-  Evidence evidence(input, state);
-  for_each_ray(view, input.sensor, 1, [&](const Ray& ray) { evidence.add(ray); });
-  return evidence.faces_below(kEvidence);
-}
 
 }  // namespace roomcal::scan

@@ -21,26 +21,26 @@ struct RefineInput {
 double step_state(const RangeSums& sums, const RefineInput& input, RangeState& state, double damping = 0);
 
 /// Brings a coarse pose (0.3 m, 10 degrees) to the optimum of a sample: the robust loss narrows from 0.35 m to 3
-/// sigmas. Cost: 0.7 ms for 2000 rays.
-void settle(std::span<const Ray> sample, const RefineInput& input, double reach_m, RangeState& state);
+/// sigmas. Cost: 0.15 ms for 600 rays.
+void settle(std::span<const RayBlock> sample, const RefineInput& input, double reach_m, RangeState& state);
 
-/// Four rounds at most with the loss at 3 sigmas, over every stride-th ray: the end of settle(), for a pose that is
-/// right but for millimetres.
-void settle_near(std::span<const Ray> sample, const RefineInput& input, std::size_t stride, RangeState& state);
+/// Four rounds at most with the loss at 3 sigmas: the end of settle(), for a pose that is right but for millimetres.
+void settle_near(std::span<const RayBlock> sample, const RefineInput& input, RangeState& state);
 
-/// The optimum over all points, from a settled state: first over every fifth, then over all.
+/// The optimum over all points, from a settled state: first over every fifth, then over all. Faces that the sweep gives
+/// no evidence for are muted on the way.
+/// @param[in,out] input  `mute` is what was found to carry no evidence.
 /// @param[out] sums  of all points, gathered within a third of a sigma of the final state.
 /// @param[out] linearized_at  the state they were gathered at.
 /// @return whether the last step was below a third of a sigma: returns near edges change sides from round to round, and
 ///         steps do not shrink to nothing.
-/// Cost: one to three passes over all points of 60 to 80 ns each, and a few over a fifth.
-bool refine(const SweepView& view, const RefineInput& input, RangeState& state, RangeSums& sums,
-            RangeState& linearized_at);
+/// Cost: two or three passes over all points of some 15 ns each, and a few over a fifth.
+bool refine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums, RangeState& linearized_at);
 
 /// Spread of the ranges around the surface: 1.48 x the median of the residuals that belong to it, at least the sensor's
 /// own sigma; up to a fifth more counts as the sensor's.
 /// @param scratch  one float for each ray.
-double spread_m(std::span<const Ray> sample, const RefineInput& input, const RangeState& state,
+double spread_m(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state,
                 std::span<float> scratch);
 
 /// Mean robust loss of a state over the usable rays, sigmas^2; rays that meet nothing count as far off. About 1 where
@@ -50,8 +50,7 @@ double mean_loss(const RangeSums& sums);
 /// Bits of faces whose points are no evidence for them: the plane behind, continued, explains the returns as well. A
 /// pose that is off along an axis which the sweep does not see lets some beams graze the floor by mistake; believed,
 /// they would fix the height, to a millimetre and wrongly.
-/// From a sample: for where to look; from the whole sweep: for what to believe.
-uint64_t faces_without_evidence(std::span<const Ray> sample, const RefineInput& input, const RangeState& state);
-uint64_t faces_without_evidence(const SweepView& view, const RefineInput& input, const RangeState& state);
+/// @param sums  gathered with PassOptions::evidence: from a sample for where to look, from all for what to believe.
+uint64_t faces_without_evidence(const RangeSums& sums);
 
 }  // namespace roomcal::scan

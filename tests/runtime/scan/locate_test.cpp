@@ -1,6 +1,7 @@
 #include "runtime/scan/locate.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/runtime/scan/box.h"
+#include "tests/runtime/scan/rays.h"
 #include "tests/truth/random.h"
 #include "tools/evaluate/lidar_trial.h"
 
@@ -126,12 +128,11 @@ TEST(Locate, EmptyBoxWithoutPrior_SaysHowManyTwins) {
   truth::Random random(5);
   // Tilted, so that floor and ceiling are seen; four rotations map the box onto itself.
   const SE3 T_room_lidar{so3_exp(Vec3(0.3, 0.2, 0.5)), Vec3(1.2, 1.7, 1.2)};
-  PosedSurface posed;
-  posed.set(box.surface(), T_room_lidar);
+  const PosedSurface posed(box.surface(), T_room_lidar);
   std::vector<lidar::SweepPoint> points;
   for (int i = 0; i < 20000; ++i) {
     const Vec3 direction = random.normals<3>().normalized();
-    const Vec3 p = (posed.first_hit(direction).range_m + 0.01 * random.normal()) * direction;
+    const Vec3 p = (test::cast_one(posed, direction).range_m + 0.01 * random.normal()) * direction;
     lidar::SweepPoint point;
     point.x_m = static_cast<float>(p.x());
     point.y_m = static_cast<float>(p.y());

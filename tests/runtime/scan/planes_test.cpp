@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "tests/runtime/scan/box.h"
+#include "tests/runtime/scan/rays.h"
 #include "tests/truth/random.h"
 #include "tools/evaluate/lidar_trial.h"
 
@@ -14,8 +14,9 @@ namespace roomcal::scan {
 namespace {
 
 struct Seen {
-  std::vector<Ray> rays;
+  std::vector<RayBlock> rays;
   SE3 T_room_lidar;
+  std::size_t count() const { return ray_count(rays); }
 };
 
 Seen see(const tools::LidarRoom& room, tools::Tilt tilt, uint64_t seed) {
@@ -24,7 +25,7 @@ Seen see(const tools::LidarRoom& room, tools::Tilt tilt, uint64_t seed) {
   seen.T_room_lidar = tools::random_lidar_pose(room.scene(), tilt, random);
   const tools::SimulatedSweep sweep = room.simulator().sweep(tools::vlp16_beams(), {}, seen.T_room_lidar, seed);
   const lidar::Sweep view = sweep.view();
-  for_each_ray({{&view, 1}}, {}, 14, [&](const Ray& ray) { seen.rays.push_back(ray); });
+  for_each_block({{&view, 1}}, {}, 14, [&](const RayBlock& block) { seen.rays.push_back(block); });
   return seen;
 }
 
@@ -35,7 +36,7 @@ TEST(ExtractPlanes, TiltedSweeps_LargePlanesAreWallsOfTheRoom) {
     const SweepPlanes planes = extract_planes(seen.rays, 0.015);
     ASSERT_GE(planes.size(), 4U);
     for (const SweepPlane& plane : planes) {
-      if (plane.points < seen.rays.size() / 12) continue;
+      if (plane.points < seen.count() / 12) continue;
       double best = 1e9;
       for (const Face& face : room.surface().faces()) {
         const double cos = face.normal_room.dot(seen.T_room_lidar.R * plane.normal_lidar);
@@ -49,18 +50,19 @@ TEST(ExtractPlanes, TiltedSweeps_LargePlanesAreWallsOfTheRoom) {
 
 TEST(ExtractPlanes, NoiseInABall_FindsNoPlane) {
   truth::Random random(6);
-  std::vector<Ray> rays(1500);
-  for (Ray& ray : rays) {
+  std::vector<test::Ray> rays(1500);
+  for (test::Ray& ray : rays) {
     ray.direction_lidar = random.normals<3>().normalized();
     ray.range_m = random.uniform(0.5, 5);
   }
-  for (const SweepPlane& plane : extract_planes(rays, 0.015)) EXPECT_LT(plane.points, rays.size() / 12);
+  for (const SweepPlane& plane : extract_planes(test::blocks_of(rays), 0.015))
+    EXPECT_LT(plane.points, rays.size() / 12);
 }
 
 TEST(ExtractPlanes, FewRays_FindsNone) {
   EXPECT_TRUE(extract_planes({}, 0.015).empty());
-  const std::vector<Ray> few(10);
-  EXPECT_TRUE(extract_planes(few, 0.015).empty());
+  const std::vector<test::Ray> few(10);
+  EXPECT_TRUE(extract_planes(test::blocks_of(few), 0.015).empty());
 }
 
 TEST(FindCorners, TiltedSweeps_CornersAreTheRoomsAndDirectionsOrthogonal) {
@@ -74,7 +76,7 @@ TEST(FindCorners, TiltedSweeps_CornersAreTheRoomsAndDirectionsOrthogonal) {
       EXPECT_LT((D.transpose() * D - Mat33::Identity()).norm(), 1e-9);
       for (int i = 0; i < 3; ++i)
         EXPECT_GT(D.col(i).dot(planes[corner.plane[static_cast<std::size_t>(i)]].normal_lidar), 0.9);
-      if (planes[corner.plane[2]].points < seen.rays.size() / 12) continue;
+      if (planes[corner.plane[2]].points < seen.count() / 12) continue;
       ++corners_seen;
       double nearest_m = 1e9;
       for (const Face& face : room.surface().faces()) {
