@@ -11,9 +11,8 @@ namespace {
 
 constexpr double kReachOfPrint = 1.2;    // radii; beyond it a print is wall, or the next sheet
 constexpr double kCoarseStep_m = 0.015;  // a ring's width
-constexpr int kMaxSteps = 70;            // a metre to each side
 constexpr double kFineStep_m = 0.002;
-constexpr int kFineSteps = 8;  // to each side of the coarse answer
+constexpr std::size_t kFineSteps = 8;  // to each side of the coarse answer
 constexpr double kCurvatureStep_m = 0.006;
 constexpr double kRunnerUp = 0.6;  // of the best gain; sheets hung in a grid come close to each other
 constexpr double kElsewhere_m = 0.05;
@@ -21,30 +20,28 @@ constexpr double kFits_m = 0.06;  // a return this far off its face is no return
 /// Sheets are not quite where they are thought to be, margins and walls are not of one grey: what is left is not white.
 constexpr double kSigmaInflation = 1.5;
 
-constexpr std::size_t kNoAnnulus = SIZE_MAX;
-
 }  // namespace
 
-std::size_t PrintMatcher::bytes() { return (kCoarsePoints + kFinePoints) * sizeof(Spot) + 64; }
+std::size_t PrintMatcher::bytes() {
+  return (kCoarsePoints + kFinePoints) * sizeof(Spot) + kMaxShifts * sizeof(AtShift) + 64;
+}
 
 Status PrintMatcher::build(Arena& scratch, PrintMatcher& matcher) {
   matcher.coarse_ = scratch.allocate_uninitialized<Spot>(kCoarsePoints);
   matcher.fine_ = scratch.allocate_uninitialized<Spot>(kFinePoints);
-  if (matcher.coarse_.empty() || matcher.fine_.empty()) return out_of_arena("scan: scratch arena too small for prints");
+  matcher.at_shift_ = scratch.allocate<AtShift>(kMaxShifts);
+  if (matcher.coarse_.empty() || matcher.fine_.empty() || matcher.at_shift_.empty())
+    return out_of_arena("scan: scratch arena too small for prints");
   return ok_status();
 }
 
 namespace {
 
-/// Annulus of the print under a point, kNoAnnulus beside all prints. `width` annuli in a radius.
-std::size_t annulus_at(const Surface& surface, std::size_t face, const Vec3& p_room, double reach_radii) {
-  constexpr double kPerRadius = 10;
-  for (const Print& print : surface.prints(surface.faces()[face])) {
-    const double reach_m = reach_radii * print.radius_m;
-    const double squared = (p_room - print.p_room).squaredNorm();
-    if (squared < reach_m * reach_m) return static_cast<std::size_t>(kPerRadius * std::sqrt(squared) / print.radius_m);
-  }
-  return kNoAnnulus;
+bool near_print(const Surface& surface, const Face& face, const Vec3& p_room, double reach_radii) {
+  const double along_m = p_room[face.print_axis], reach_m = reach_radii * surface.largest_print_m();
+  const auto prints = surface.prints_between(face, along_m - reach_m, along_m + reach_m);
+  return std::any_of(prints.begin(), prints.end(),
+                     [&](const Print& print) { return (p_room - print.p_room).norm() < reach_radii * print.radius_m; });
 }
 
 }  // namespace
@@ -69,7 +66,7 @@ std::size_t PrintMatcher::take(const Surface& surface, const SweepView& view, co
       const Vec3 slide = axis_room - direction * (normal.dot(axis_room) / normal.dot(direction));
       const Vec3 p_room = T.t + range_m * direction;
       constexpr double kMargin = 2;  // radii: what belongs to the surroundings of a print
-      if (near_only && annulus_at(surface, face, p_room + near_shift_m * slide, kMargin) == kNoAnnulus) continue;
+      if (near_only && !near_print(surface, surface.faces()[face], p_room + near_shift_m * slide, kMargin)) continue;
       Spot& spot = spots[count++];
       for (int k = 0; k < 3; ++k) {
         spot.p_room[static_cast<std::size_t>(k)] = static_cast<float>(p_room[k]);
@@ -83,42 +80,75 @@ std::size_t PrintMatcher::take(const Surface& surface, const SweepView& view, co
   return count;
 }
 
-PrintMatcher::Explained PrintMatcher::explain(const Surface& surface, std::span<const Spot> spots, double shift_m) {
-  struct Level {
-    double sum = 0, count = 0;
-    void add(double value) {
-      sum += value;
-      ++count;
+/// One print and one spot: the spot is on the print for the shifts s with |p + s slide - centre| < reach.
+void PrintMatcher::add_print(const Spot& spot, const Print& print, uint32_t number, const Shifts& shifts) {
+  constexpr float kPerRadius = 10;
+  const Eigen::Vector3f slide(spot.slide[0], spot.slide[1], spot.slide[2]);
+  const Eigen::Vector3f from =
+      Eigen::Vector3f(spot.p_room[0], spot.p_room[1], spot.p_room[2]) - print.p_room.cast<float>();
+  const float a = std::max(1e-12F, slide.squaredNorm()), b = from.dot(slide), c = from.squaredNorm();
+  const auto radius_m = static_cast<float>(print.radius_m);
+  const float reach_m = static_cast<float>(kReachOfPrint) * radius_m;
+  const float discriminant = b * b - a * (c - reach_m * reach_m);
+  if (!(discriminant > 0)) return;
+  const float half_m = std::sqrt(discriminant) / a, middle_m = -b / a;
+  const auto first_m = static_cast<float>(shifts.first_m), step_m = static_cast<float>(shifts.step_m);
+  const float low = std::max(0.0F, std::ceil((middle_m - half_m - first_m) / step_m));
+  const float high = std::min(static_cast<float>(shifts.count) - 1, std::floor((middle_m + half_m - first_m) / step_m));
+  if (!(low <= high)) return;
+  const auto value = static_cast<double>(spot.reflectivity);
+  for (int k = static_cast<int>(low); k <= static_cast<int>(high); ++k) {
+    AtShift& at = at_shift_[static_cast<std::size_t>(k)];
+    if (at.last_spot == number) continue;
+    at.last_spot = number;
+    const float shift_m = first_m + step_m * static_cast<float>(k);
+    const float distance_m = std::sqrt(std::max(0.0F, c + shift_m * (2 * b + shift_m * a)));
+    const auto annulus = static_cast<std::size_t>(kPerRadius * distance_m / radius_m);
+    at.annuli[std::min(annulus, kAnnuli - 1)].add(value);
+    at.near_face.add(value);
+  }
+}
+
+void PrintMatcher::add_spot(const Surface& surface, const Spot& spot, uint32_t number, const Shifts& shifts) {
+  const Face& face = surface.faces()[spot.face];
+  const double from_m = static_cast<double>(spot.p_room[face.print_axis]);
+  const double slide = static_cast<double>(spot.slide[face.print_axis]);
+  const double at_first_m = from_m + slide * shifts.first_m, at_last_m = from_m + slide * shifts.at(shifts.count - 1);
+  const double margin_m = kReachOfPrint * surface.largest_print_m();
+  const double low_m = std::min(at_first_m, at_last_m) - margin_m, high_m = std::max(at_first_m, at_last_m) + margin_m;
+  for (const Print& print : surface.prints_between(face, low_m, high_m)) add_print(spot, print, number, shifts);
+}
+
+/// What is explained at several shifts. Beside the prints a face has one level, whatever the shift: only spots that
+/// come to lie on a print are looked at one by one.
+void PrintMatcher::explain(const Surface& surface, std::span<const Spot> spots, const Shifts& shifts,
+                           std::span<Explained> explained) {
+  const std::span<AtShift> at_shift = at_shift_.first(shifts.count);
+  for (AtShift& at : at_shift) at = {};
+  for (std::size_t k = 0; k < shifts.count; ++k) explained[k] = {0, 0, spots.size(), 0};
+  double squares = 0, by_faces = 0;
+  for (std::size_t f = 0; f < surface.faces().size(); ++f) {
+    Level whole;
+    for (AtShift& at : at_shift) at.near_face = {};
+    for (std::size_t i = 0; i < spots.size(); ++i) {
+      if (spots[i].face != f) continue;
+      const auto value = static_cast<double>(spots[i].reflectivity);
+      squares += value * value;
+      whole.add(value);
+      add_spot(surface, spots[i], static_cast<uint32_t>(i) + 1, shifts);
     }
-    double explained() const { return count == 0 ? 0 : sum * sum / count; }
-  };
-  std::array<Level, kAnnuli> annuli{};
-  std::array<Level, kMaxFaces> beside{}, whole{};
-  Explained explained;
-  double squares = 0;
-  for (const Spot& spot : spots) {
-    Vec3 p_room;
-    for (int i = 0; i < 3; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      p_room[i] = static_cast<double>(spot.p_room[k]) + shift_m * static_cast<double>(spot.slide[k]);
-    }
-    const double value = static_cast<double>(spot.reflectivity);
-    const std::size_t annulus = annulus_at(surface, spot.face, p_room, kReachOfPrint);
-    squares += value * value;
-    whole[spot.face].add(value);
-    if (annulus < kAnnuli) {
-      annuli[annulus].add(value);
-      ++explained.near;
-    } else {
-      beside[spot.face].add(value);
+    by_faces += whole.explained();
+    for (std::size_t k = 0; k < shifts.count; ++k) {
+      const Level& near = at_shift[k].near_face;
+      explained[k].left -= Level{whole.sum - near.sum, whole.count - near.count}.explained();
+      explained[k].near += static_cast<std::size_t>(near.count);
     }
   }
-  explained.count = spots.size();
-  explained.left = explained.total = squares;
-  for (const Level& level : annuli) explained.left -= level.explained();
-  for (const Level& level : beside) explained.left -= level.explained();
-  for (const Level& level : whole) explained.total -= level.explained();
-  return explained;
+  for (std::size_t k = 0; k < shifts.count; ++k) {
+    explained[k].left += squares;
+    explained[k].total = squares - by_faces;
+    for (const Level& level : at_shift[k].annuli) explained[k].left -= level.explained();
+  }
 }
 
 PrintFit PrintMatcher::fit(const Surface& surface, const SweepView& view, const SensorModel& sensor,
@@ -128,60 +158,65 @@ PrintFit PrintMatcher::fit(const Surface& surface, const SweepView& view, const 
   Vec3 sum_room;
   const std::size_t coarse_count =
       take(surface, view, sensor, state, axis_room, stride_for(view, kCoarsePoints - 1), 0, false, coarse_, sum_room);
-  const std::span<const Spot> coarse = coarse_.first(coarse_count);
-  const int steps = std::min(kMaxSteps, static_cast<int>(reach_m / kCoarseStep_m));
-  fit.informative = explain(surface, coarse, 0).total > 0;
-  const auto gain_at = [&](double shift_m) {
-    const Explained at = explain(surface, coarse, shift_m);
-    return at.left <= 0 ? 0 : (at.total - at.left) / at.left * static_cast<double>(at.count);
-  };
-  std::array<double, 2 * kMaxSteps + 1> gains{};
-  double best_gain = -1, runner_up = 0;
-  for (int step = -steps; step <= steps; ++step) {
-    const double gain = gains[static_cast<std::size_t>(step + steps)] = gain_at(kCoarseStep_m * step);
-    if (gain <= best_gain) continue;
-    best_gain = gain;
-    fit.shift_m = kCoarseStep_m * step;
-  }
-  for (int step = -steps; step <= steps; ++step) {
-    if (std::abs(kCoarseStep_m * step - fit.shift_m) < kElsewhere_m) continue;
-    runner_up = std::max(runner_up, gains[static_cast<std::size_t>(step + steps)]);
-  }
-  fit.gain = best_gain;
-  fit.clear = best_gain > kSignificant && runner_up < kRunnerUp * best_gain;
+  const auto steps = std::min((kMaxShifts - 1) / 2, static_cast<std::size_t>(reach_m / kCoarseStep_m));
+  const Shifts shifts{-kCoarseStep_m * static_cast<double>(steps), kCoarseStep_m, 2 * steps + 1};
+  find_best(surface, coarse_.first(coarse_count), shifts, fit);
   if (!fit.clear || steps == 0) return fit;
 
   const std::size_t fine_count = take(surface, view, sensor, state, axis_room, stride_for(view, 4 * kFinePoints),
                                       fit.shift_m, true, fine_, sum_room);
-  const std::span<const Spot> fine = fine_.first(fine_count);
-  const double coarse_shift_m = fit.shift_m;
-  double least = 1e300;
-  for (int step = -kFineSteps; step <= kFineSteps; ++step) {
-    const double shift_m = coarse_shift_m + kFineStep_m * step;
-    const double left = explain(surface, fine, shift_m).left;
-    if (left >= least) continue;
-    least = left;
-    fit.shift_m = shift_m;
+  polish(surface, fine_.first(fine_count), fit);
+  if (fit.clear) {
+    fit.centre_lidar = state.T_room_lidar.inverse() * Vec3(sum_room / static_cast<double>(fine_count));
   }
+  return fit;
+}
+
+/// The shift at which most is explained, and whether no other comes near it.
+void PrintMatcher::find_best(const Surface& surface, std::span<const Spot> spots, const Shifts& shifts, PrintFit& fit) {
+  std::array<Explained, kMaxShifts> explained;
+  explain(surface, spots, shifts, explained);
+  fit.informative = explained[0].total > 0;
+  double runner_up = 0;
+  fit.gain = -1;
+  const auto gain = [&](std::size_t k) {
+    const Explained& at = explained[k];
+    return at.left <= 0 ? 0 : (at.total - at.left) / at.left * static_cast<double>(at.count);
+  };
+  for (std::size_t k = 0; k < shifts.count; ++k) {
+    if (gain(k) <= fit.gain) continue;
+    fit.gain = gain(k);
+    fit.shift_m = shifts.at(k);
+  }
+  for (std::size_t k = 0; k < shifts.count; ++k) {
+    if (std::abs(shifts.at(k) - fit.shift_m) >= kElsewhere_m) runner_up = std::max(runner_up, gain(k));
+  }
+  fit.clear = fit.gain > kSignificant && runner_up < kRunnerUp * fit.gain;
+}
+
+/// From the coarse shift to the best one, and its sigma.
+void PrintMatcher::polish(const Surface& surface, std::span<const Spot> spots, PrintFit& fit) {
+  std::array<Explained, kMaxShifts> at;
+  const Shifts around{fit.shift_m - kFineSteps * kFineStep_m, kFineStep_m, 2 * kFineSteps + 1};
+  explain(surface, spots, around, at);
+  const auto least = std::min_element(at.begin(), at.begin() + around.count,
+                                      [](const Explained& a, const Explained& b) { return a.left < b.left; });
+  fit.shift_m = around.at(static_cast<std::size_t>(least - at.begin()));
   // A parabola through points far enough apart that single returns do not count; twice, to centre it.
   double curvature = 0;
   for (int round = 0; round < 2; ++round) {
-    const double left = explain(surface, fine, fit.shift_m - kCurvatureStep_m).left;
-    const double right = explain(surface, fine, fit.shift_m + kCurvatureStep_m).left;
-    const double middle = explain(surface, fine, fit.shift_m).left;
-    curvature = (left + right - 2 * middle) / (kCurvatureStep_m * kCurvatureStep_m);
+    explain(surface, spots, {fit.shift_m - kCurvatureStep_m, kCurvatureStep_m, 3}, at);
+    curvature = (at[0].left + at[2].left - 2 * at[1].left) / (kCurvatureStep_m * kCurvatureStep_m);
     if (!(curvature > 0)) break;
-    const double move_m = 0.5 * (left - right) / (kCurvatureStep_m * curvature);
+    const double move_m = 0.5 * (at[0].left - at[2].left) / (kCurvatureStep_m * curvature);
     fit.shift_m += std::clamp(move_m, -kCurvatureStep_m, kCurvatureStep_m);
   }
-  fit.clear = curvature > 0 && fine_count > 50;
-  if (!fit.clear) return fit;
-  const Explained at = explain(surface, fine, fit.shift_m);
-  const double variance = at.left / static_cast<double>(fine_count);
+  fit.clear = curvature > 0 && spots.size() > 50;
+  if (!fit.clear) return;
+  explain(surface, spots, {fit.shift_m, kFineStep_m, 1}, at);
+  const double variance = at[0].left / static_cast<double>(spots.size());
   fit.sigma_m = kSigmaInflation * std::sqrt(2 * variance / curvature);
-  fit.points = static_cast<uint32_t>(at.near);
-  fit.centre_lidar = state.T_room_lidar.inverse() * Vec3(sum_room / static_cast<double>(fine_count));
-  return fit;
+  fit.points = static_cast<uint32_t>(at[0].near);
 }
 
 }  // namespace roomcal::scan

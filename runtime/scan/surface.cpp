@@ -72,7 +72,30 @@ void Surface::sort_prints() {
   for (uint32_t i = 0; i < prints_.size(); ++i) {
     Face& face = faces_[prints_[i].face];
     if (face.print_count++ == 0) face.first_print = i;
+    largest_print_m_ = std::max(largest_print_m_, prints_[i].radius_m);
   }
+  for (Face& face : faces_) {
+    const std::span<Print> own = prints_.subspan(face.first_print, face.print_count);
+    Vec3 low = Vec3::Constant(1e30), high = -low;
+    for (const Print& print : own) {
+      low = low.cwiseMin(print.p_room);
+      high = high.cwiseMax(print.p_room);
+    }
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    face.print_axis = static_cast<uint8_t>(axis);
+    std::sort(own.begin(), own.end(),
+              [axis](const Print& a, const Print& b) { return a.p_room[axis] < b.p_room[axis]; });
+  }
+}
+
+std::span<const Print> Surface::prints_between(const Face& face, double low_m, double high_m) const {
+  const std::span<const Print> own = prints(face);
+  const int axis = face.print_axis;
+  const auto first =
+      std::partition_point(own.begin(), own.end(), [&](const Print& p) { return p.p_room[axis] < low_m; });
+  const auto last = std::partition_point(first, own.end(), [&](const Print& p) { return p.p_room[axis] <= high_m; });
+  return {first, last};
 }
 
 Result<Surface> Surface::build(const map::RoomMap& map, const SurfaceOptions& options, Arena& permanent,

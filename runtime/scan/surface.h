@@ -20,8 +20,9 @@ struct Face {
   double d_m = 0;
   uint32_t first = 0;  ///< of its vertices and edges in Surface
   uint32_t count = 0;
-  uint32_t first_print = 0;  ///< likewise of its prints
+  uint32_t first_print = 0;  ///< likewise of its prints, which are in the order of this coordinate:
   uint32_t print_count = 0;
+  uint8_t print_axis = 0;
 };
 
 /// Inner side of one edge of an outline: inward_room . p + d_m >= 0. The plane stands upright on the face.
@@ -74,6 +75,9 @@ class Surface {
   std::span<const FaceEdge> edges(const Face& face) const { return edges_.subspan(face.first, face.count); }
   std::span<const Print> prints() const { return prints_; }  ///< face by face
   std::span<const Print> prints(const Face& face) const { return prints().subspan(face.first_print, face.print_count); }
+  /// Those whose print_axis coordinate is within an interval. Cost: logarithmic.
+  std::span<const Print> prints_between(const Face& face, double low_m, double high_m) const;
+  double largest_print_m() const { return largest_print_m_; }  ///< radius
   const Vec3& low_room() const { return low_room_; }
   const Vec3& high_room() const { return high_room_; }
 
@@ -85,6 +89,7 @@ class Surface {
   std::span<Vec3> vertices_;
   std::span<FaceEdge> edges_;
   std::span<Print> prints_;
+  double largest_print_m_ = 0;
   Vec3 low_room_ = Vec3::Constant(1e30);
   Vec3 high_room_ = Vec3::Constant(-1e30);
 };

@@ -1,5 +1,6 @@
 #include "runtime/scan/surface.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -77,6 +78,30 @@ TEST(FromPolygons, PolygonsThatAreNone_AreRefused) {
   }
   Arena arena{bytes};
   EXPECT_EQ(Surface::from_polygons({}, {}, arena).status().code(), StatusCode::kTooFew);
+}
+
+TEST(Surface, PrintsBetween_AreThoseOfTheInterval) {
+  tools::RoomOptions options;
+  options.seed = 4;
+  const BakedRoom baked(tools::make_room(options));
+  truth::Random random(3);
+  std::size_t found = 0;
+  for (const Face& face : baked.surface.faces()) {
+    const std::span<const Print> all = baked.surface.prints(face);
+    for (int i = 0; i < 50; ++i) {
+      const double low_m = random.uniform(-0.5, 3.5), high_m = low_m + random.uniform(-0.2, 1);
+      const std::span<const Print> some = baked.surface.prints_between(face, low_m, high_m);
+      const auto inside = [&](const Print& print) {
+        const double along_m = print.p_room[face.print_axis];
+        return along_m >= low_m && along_m <= high_m;
+      };
+      EXPECT_EQ(static_cast<std::ptrdiff_t>(some.size()), std::count_if(all.begin(), all.end(), inside));
+      EXPECT_TRUE(std::all_of(some.begin(), some.end(), inside));
+      found += some.size();
+    }
+  }
+  EXPECT_GT(found, 100U);
+  EXPECT_GT(baked.surface.largest_print_m(), 0.01);
 }
 
 TEST(Surface, EveryArenaThatIsTooSmall_IsRefused) {
