@@ -6,6 +6,7 @@ namespace roomcal::scan {
 
 namespace {
 
+constexpr double kTurnOver = 3;                   // sigmas
 constexpr double kOtherPlace = 150;               // squared distance in sigmas of the sample
 constexpr double kNear_m = 0.3, kNear_rad = 0.1;  // no room repeats itself so closely: two halts on one way down
 constexpr double kHopelessScore = 0.35;           // above the best score of the coarse poses
@@ -24,11 +25,14 @@ bool same_place(const Candidate& a, const Candidate& b) {
 
 FitShares judge(std::span<const RayBlock> sample, const RefineInput& input, Candidate& candidate) {
   RangeSums sums;
-  gather(input.surface, sample, input.sensor, candidate.state, {input.sigma_m, 3, input.mute}, sums);
+  gather(input.surface, sample, input.sensor, candidate.state, {input.sigma_m, kTurnOver, 0, true}, sums);
   candidate.loss = mean_loss(sums);
   candidate.mapped_loss = sums.mapped == 0 ? candidate.loss : sums.loss / sums.mapped;
+  const FitShares shares = shares_of(sums, input.sensor, input.sigma_m, candidate.state);
+  const uint64_t mute = faces_without_evidence(sums);
+  gather(input.surface, sample, input.sensor, candidate.state, {input.sigma_m, kTurnOver, mute, false}, sums);
   candidate.information = condense(sums, input.sensor, candidate.state).information;
-  return shares_of(sums, input.sensor, input.sigma_m, candidate.state);
+  return shares;
 }
 
 void CandidateSet::insert(const Candidate& candidate) {

@@ -12,9 +12,9 @@ namespace roomcal::scan {
 /// A settled place in the room.
 struct Candidate {
   RangeState state;
-  double loss = 0;         ///< mean_loss() over the sample
-  double mapped_loss = 0;  ///< mean over the rays with a prediction only
-  Mat66 information = Mat66::Zero();
+  double loss = 0;                    ///< mean_loss() over the sample
+  double mapped_loss = 0;             ///< mean over the rays with a prediction only
+  Mat66 information = Mat66::Zero();  ///< of the sample; faces without evidence are muted
 };
 
 /// Fills loss and information of a candidate from the sample.

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/scan/candidates.h"
 #include "runtime/scan/locate_steps.h"
-#include "runtime/scan/planes.h"
 
 namespace roomcal::scan {
 
@@ -73,17 +71,15 @@ Status locate_by_gicp(const Surface& surface, const GicpTarget& target, std::spa
   }
   const std::span<const RayBlock> sample = samples.fine;
   if (ray_count(sample) < options.accept.min_points) {
-    refuse(location, "too few usable points in the sweep: is the LiDAR running, and its view clear?");
+    refuse(location, kTooFewPoints);
     return ok_status();
   }
-  const double total_sigma_m = std::hypot(sensor.sigma_m, sensor.beam_offset_sigma_m);
-  Hypotheses hypotheses;
-  find_hypotheses(surface, samples.probe, extract_planes(sample, total_sigma_m), prior, hypotheses);
   RefineInput input{surface, sensor, prior, sensor.sigma_m, 0};
   CandidateSet& candidates = set[0];
-  candidates.settle_all(samples, input, hypotheses, options.accept, options.twin_loss);
+  Hypotheses hypotheses;
+  find_places(samples, input, options, candidates, hypotheses);
   if (candidates.twins.empty()) {
-    refuse(location, "no place in the map fits the sweep: another room, or the prior is wrong");
+    refuse(location, kNoPlace);
     return ok_status();
   }
   const RangeState& place = candidates.twins[0].state;

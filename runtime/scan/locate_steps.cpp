@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "runtime/scan/planes.h"
 #include "runtime/scan/ray_cast.h"
 
 namespace roomcal::scan {
@@ -27,6 +28,14 @@ Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sen
     return {StatusCode::kInvalidArgument, "scan: the prior's covariance must be positive definite"};
   }
   return ok_status();
+}
+
+void find_places(const Samples& samples, const RefineInput& input, const LocateOptions& options,
+                 CandidateSet& candidates, Hypotheses& hypotheses) {
+  const double total_sigma_m = std::hypot(input.sensor.sigma_m, input.sensor.beam_offset_sigma_m);
+  const SweepPlanes planes = extract_planes(samples.fine, total_sigma_m);
+  find_hypotheses(input.surface, samples.probe, planes, input.prior, hypotheses);
+  candidates.settle_all(samples, input, hypotheses, options.accept, options.twin_loss);
 }
 
 double azimuth_coverage(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state) {

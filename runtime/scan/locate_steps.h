@@ -5,6 +5,7 @@
 
 #include "runtime/base/status.h"
 #include "runtime/lidar/sweep.h"
+#include "runtime/scan/candidates.h"
 #include "runtime/scan/locate.h"
 #include "runtime/scan/refine.h"
 
@@ -13,6 +14,15 @@ namespace roomcal::scan {
 
 /// @return kInvalidArgument: no sweep, sigmas that are none, a prior without a positive definite covariance.
 Status check_inputs(std::span<const lidar::Sweep> sweeps, const SensorModel& sensor, const PosePrior* prior);
+
+/// Reasons to refuse that every way shares.
+inline constexpr const char* kTooFewPoints =
+    "too few usable points in the sweep: is the LiDAR running, and its view clear?";
+inline constexpr const char* kNoPlace = "no place in the map fits the sweep: another room, or the prior is wrong";
+
+/// Coarse poses of a sweep from its planes, settled: none if nothing of it fits the map.
+void find_places(const Samples& samples, const RefineInput& input, const LocateOptions& options,
+                 CandidateSet& candidates, Hypotheses& hypotheses);
 
 /// Share of the sensor's horizon covered by points that fit.
 double azimuth_coverage(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state);

@@ -117,6 +117,23 @@ void gather(const Surface& surface, std::span<const RayBlock> rays, const Sensor
   gatherer.finish();
 }
 
+double total_loss(const Surface& surface, std::span<const RayBlock> rays, const SensorModel& sensor,
+                  const RangeState& state, const PassOptions& options) {
+  const PosedSurface posed(surface, state.T_room_lidar);
+  const WeighOptions weigh = weigh_options(sensor, state, options);
+  BlockHits hits;
+  WeighedBlock weighed;
+  double total = 0;
+  for (const RayBlock& block : rays) {
+    posed.cast(block, hits);
+    weigh_block(posed, block, hits, weigh, weighed);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      total += weighed.flags[i] == 0 ? kUnmappedLoss : static_cast<double>(weighed.loss[i]);
+    }
+  }
+  return total;
+}
+
 PoseInformation condense(const RangeSums& sums, const SensorModel& sensor, const RangeState& state) {
   PoseInformation pose;
   pose.T_hat = state.T_room_lidar;

@@ -70,6 +70,11 @@ void gather(const Surface& surface, const SweepView& view, std::size_t stride, c
 void gather(const Surface& surface, std::span<const RayBlock> rays, const SensorModel& sensor, const RangeState& state,
             const PassOptions& options, RangeSums& sums);
 
+/// Robust cost of rays at a state, sigmas^2; those that nothing is predicted for count kUnmappedLoss. A third of the
+/// work of gather().
+double total_loss(const Surface& surface, std::span<const RayBlock> rays, const SensorModel& sensor,
+                  const RangeState& state, const PassOptions& options);
+
 /// The pose's normal equations with the beam offsets eliminated (Schur complement), offset prior included.
 PoseInformation condense(const RangeSums& sums, const SensorModel& sensor, const RangeState& state);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurnOver = 3;       // sigmas
 constexpr double kStepSigma_m = 0.3;  // an axis that nothing fixes does not run away
-constexpr double kEvidence = 12;      // sigmas^2 that a face must explain
+constexpr double kEvidence = 30;      // sigmas^2 that a face must explain
 constexpr std::size_t kThin = 5;
 constexpr int kThinRounds = 5;
 constexpr int kFirstRounds = 2;  // over all points, before the faces are judged
@@ -45,9 +45,6 @@ double step_state(const RangeSums& sums, const RefineInput& input, RangeState& s
   return std::sqrt(std::max(0.0, xi.dot(information * xi)));
 }
 
-namespace {
-
-/// Robust cost of a state, prior included.
 double cost_of(const RangeSums& sums, const RefineInput& input, const RangeState& state) {
   double cost = sums.loss + kUnmappedLoss * static_cast<double>(sums.valid - sums.mapped);
   if (input.prior != nullptr) {
@@ -56,6 +53,8 @@ double cost_of(const RangeSums& sums, const RefineInput& input, const RangeState
   }
   return cost;
 }
+
+namespace {
 
 /// Levenberg-Marquardt: steps that raise the cost are taken back and shortened. Few grazing returns on a narrow face
 /// may be all that fixes an axis, and a whole Gauss-Newton step jumps off that face.
@@ -129,24 +128,27 @@ uint64_t faces_seen(const RangeSums& sums) {
 
 }  // namespace
 
-bool refine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums, RangeState& linearized_at) {
-  const auto gather_every = [&](std::size_t stride, bool evidence) {
-    return [&, stride, evidence](const RangeState& at, RangeSums& into) {
-      gather(input.surface, view, stride, input.sensor, at, pass(input, 0, evidence), into);
-    };
+void refine(const SweepView& view, RefineInput& input, FineSolution& fine) {
+  const auto gather_thin = [&](const RangeState& at, RangeSums& into) {
+    gather(input.surface, view, kThin, input.sensor, at, pass(input, 0), into);
   };
-  (void)descend(gather_every(kThin, false), input, kThinRounds, state, sums, linearized_at);
+  (void)descend(gather_thin, input, kThinRounds, fine.state, fine.sums, fine.linearized_at);
+  refine_fully(view, input, fine);
+}
+
+void refine_fully(const SweepView& view, RefineInput& input, FineSolution& fine) {
+  const auto gather_all = [&](const RangeState& at, RangeSums& into) {
+    gather(input.surface, view, 1, input.sensor, at, pass(input, 0, true), into);
+  };
   // Grazing beams that change sides keep a solution from settling: mute first, complain later.
-  bool converged = false;
   for (int round = 0; round < kMuteRounds; ++round) {
     const int rounds = round == 0 ? kFirstRounds : kFullRounds;
-    converged = descend(gather_every(1, true), input, rounds, state, sums, linearized_at);
-    const uint64_t mute = faces_without_evidence(sums) | faces_mostly_missed(sums);
-    const bool same = ((mute ^ input.mute) & faces_seen(sums)) == 0;
-    input.mute = mute;
-    if (same && converged) break;
+    fine.converged = descend(gather_all, input, rounds, fine.state, fine.sums, fine.linearized_at);
+    const uint64_t mute = faces_without_evidence(fine.sums) | faces_mostly_missed(fine.sums);
+    const bool same = ((mute ^ input.mute) & faces_seen(fine.sums)) == 0;
+    if (same && fine.converged) break;
+    if (round + 1 < kMuteRounds) input.mute = mute;
   }
-  return converged;
 }
 
 double spread_m(std::span<const RayBlock> sample, const RefineInput& input, const RangeState& state,

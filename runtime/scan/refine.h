@@ -27,15 +27,27 @@ void settle(std::span<const RayBlock> sample, const RefineInput& input, double r
 /// Four rounds at most with the loss at 3 sigmas: the end of settle(), for a pose that is right but for millimetres.
 void settle_near(std::span<const RayBlock> sample, const RefineInput& input, RangeState& state);
 
+/// A solution over all points.
+struct FineSolution {
+  RangeState state;
+  RangeSums sums;            ///< of all points, gathered within a third of a sigma of the state
+  RangeState linearized_at;  ///< the state that they were gathered at
+  /// Whether the last step was below a third of a sigma: returns near edges change sides from round to round, and steps
+  /// do not shrink to nothing.
+  bool converged = false;
+};
+
 /// The optimum over all points, from a settled state: first over every fifth, then over all. Faces that the sweep gives
 /// no evidence for are muted on the way.
 /// @param[in,out] input  `mute` is what was found to carry no evidence.
-/// @param[out] sums  of all points, gathered within a third of a sigma of the final state.
-/// @param[out] linearized_at  the state they were gathered at.
-/// @return whether the last step was below a third of a sigma: returns near edges change sides from round to round, and
-///         steps do not shrink to nothing.
 /// Cost: two or three passes over all points of some 15 ns each, and a few over a fifth.
-bool refine(const SweepView& view, RefineInput& input, RangeState& state, RangeSums& sums, RangeState& linearized_at);
+void refine(const SweepView& view, RefineInput& input, FineSolution& fine);
+
+/// The same over all points from the start: where few of them count.
+void refine_fully(const SweepView& view, RefineInput& input, FineSolution& fine);
+
+/// Robust cost of a state, sigmas^2: all usable points, those without a prediction at kUnmappedLoss, and the prior.
+double cost_of(const RangeSums& sums, const RefineInput& input, const RangeState& state);
 
 /// Spread of the ranges around the surface: 1.48 x the median of the residuals that belong to it, at least the sensor's
 /// own sigma; up to a fifth more counts as the sensor's.

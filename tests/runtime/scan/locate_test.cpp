@@ -79,6 +79,33 @@ TEST(Locate, WithPrior_ObservablePosesAreFoundAtTheBound) {
   EXPECT_NEAR(nees / observable, 6, 6 * 4 * std::sqrt(2.0 / (6 * observable)));
 }
 
+/// A strip of floor or wall, or a pillar's edge, is all that fixes an axis; a sample of the sweep has hardly a point on
+/// it, and descent ends 0.05 to 0.12 m away, or at two places.
+TEST(Locate, AxesThatFewPointsFix_AreFound) {
+  struct Case {
+    uint64_t room;
+    Tilt tilt;
+    uint64_t seed;
+  };
+  constexpr std::array<Case, 9> kCases = {{{8, Tilt::kUpright, 20991},
+                                           {8, Tilt::kSteep, 20279},
+                                           {8, Tilt::kSteep, 20547},
+                                           {9, Tilt::kUpright, 50132},
+                                           {9, Tilt::kUpright, 50166},
+                                           {9, Tilt::kTilted, 50949},
+                                           {9, Tilt::kSteep, 50044},
+                                           {9, Tilt::kSteep, 50426},
+                                           {9, Tilt::kSteep, 50897}}};
+  const LidarRoom eight(8), nine(9);
+  for (const Case& at : kCases) {
+    LidarTrialSpec ranges_alone = spec(at.tilt, at.seed, true);
+    ranges_alone.use_reflectivity = false;
+    const LidarTrial trial = tools::run_lidar_trial(at.room == 8 ? eight : nine, ranges_alone);
+    EXPECT_TRUE(trial.located()) << at.seed << ": " << trial.location.reason;
+    EXPECT_LT(trial.position_error_m, 0.01) << at.seed;
+  }
+}
+
 TEST(Locate, UnobservablePoses_AreAllNamed) {
   const LidarRoom room(12);
   int unobservable = 0;

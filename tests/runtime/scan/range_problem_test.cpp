@@ -107,6 +107,21 @@ TEST(Gather, TiltedBoxWithoutCeilingInView_AxisThatNothingShowsHasNoInformation)
   EXPECT_LT(std::abs(unseen), 1);  // a metre
 }
 
+TEST(TotalLoss, AnyState_IsTheLossOfAPassAndWhatItDidNotPredict) {
+  const test::Box box(Vec3(3, 4, 2.7));
+  truth::Random random(6);
+  const SE3 T = random_pose(random);
+  const std::vector<RayBlock> rays = test::blocks_of(cast(box.surface(), T, {0}, 0.015, random));
+  for (int i = 0; i < 10; ++i) {
+    RangeState state;
+    state.T_room_lidar = T * se3_exp(0.02 * i * random.normals<6>());
+    RangeSums sums;
+    gather(box.surface(), rays, {}, state, {}, sums);
+    const double by_hand = sums.loss + kUnmappedLoss * (sums.valid - sums.mapped);
+    EXPECT_NEAR(total_loss(box.surface(), rays, {}, state, {}), by_hand, 1e-5 * by_hand);
+  }
+}
+
 TEST(AddPrior, AtAnOffsetPose_PullsByTheGradientOfItsCost) {
   truth::Random random(4);
   PosePrior prior;
