@@ -11,7 +11,6 @@ namespace roomcal::tools {
 
 namespace {
 
-constexpr uint64_t kRoomSeed = 7;
 constexpr double kCautious = 3;
 
 /// An axis is called open though the bound calls it seen: the few returns that would fix it (a strip of floor at a
@@ -48,11 +47,12 @@ LidarCell pooled(const std::vector<LidarCell>& cells, LidarAid aid) {
   return sum;
 }
 
-double median(std::vector<double> values) {
+double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
+double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 }  // namespace
 
@@ -111,8 +111,8 @@ double LidarCell::position_ratio() const { return std::sqrt(position_squares / s
 double LidarCell::rotation_ratio() const { return std::sqrt(rotation_squares / std::max(1, judged())); }
 double LidarCell::mean_nees() const { return nees / std::max(1, found); }
 
-std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses) {
-  const LidarRoom room(kRoomSeed);
+std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses, const LidarSeeds& seeds) {
+  const LidarRoom room(seeds.room);
   std::vector<LidarTrialSpec> specs;
   std::vector<LidarCell> cells;
   for (const LidarAid aid : aids) {
@@ -126,7 +126,7 @@ std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int po
         spec.prior = aid != LidarAid::kPrints;
         spec.use_reflectivity = aid == LidarAid::kPriorAndPrints || aid == LidarAid::kPrints;
         spec.method = aid == LidarAid::kPriorByGicp ? LidarMethod::kGicp : LidarMethod::kRayCast;
-        spec.seed = 1000 + static_cast<uint64_t>(i);
+        spec.seed = seeds.pose + static_cast<uint64_t>(i);
       }
     }
   }
@@ -173,8 +173,8 @@ std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells) {
        prints.closed_squares_m2 <= 9e-6 * prints.closed},
       {"mean NEES 6 within four sigmas", fmt::format("{:.2f} +- {:.2f}", with.mean_nees(), tolerance),
        std::abs(with.mean_nees() - 6) <= tolerance},
-      {"one sweep of 28,800 points in <= 15 ms on one core", fmt::format("median {:.1f} ms", median_ms),
-       median_ms <= 15},
+      {"one sweep of 28,800 points in <= 15 ms on one core",
+       fmt::format("median {:.1f} ms, 99 % below {:.1f} ms", median_ms, quantile(with.ms, 0.99)), median_ms <= 15},
       {"<= 1 MiB beyond the sweep",
        fmt::format("{} KiB", (scan::locate_scratch_bytes() + sizeof(scan::Location)) / 1024),
        scan::locate_scratch_bytes() + sizeof(scan::Location) <= (1U << 20)}};

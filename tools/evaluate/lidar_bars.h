@@ -42,9 +42,15 @@ struct LidarCell {
   double mean_nees() const;
 };
 
+/// What is drawn at random: figures must not hang on it.
+struct LidarSeeds {
+  uint64_t room = 7;
+  uint64_t pose = 1000;  ///< of the first; the others follow
+};
+
 /// `poses` for each way to hold the sensor and each aid, on all cores. The same numbers on every machine
 /// but for the times; the same sweeps under each aid.
-std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses);
+std::vector<LidarCell> run_lidar_cells(const std::vector<LidarAid>& aids, int poses, const LidarSeeds& seeds);
 
 std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells);
 

@@ -23,6 +23,7 @@ struct Arguments {
   std::string json_file;
   std::string method = kDirect;
   int poses = 333;
+  LidarSeeds seeds;
 };
 
 double median(std::vector<double> values) {
@@ -87,7 +88,7 @@ void evaluate_lidar(const Arguments& arguments, int& exit_code) {
   const bool gicp = arguments.method == kGicp;
   const std::vector<LidarAid> aids = gicp ? std::vector{LidarAid::kPrior, LidarAid::kPriorByGicp}
                                           : std::vector{LidarAid::kPrior, LidarAid::kPriorAndPrints, LidarAid::kPrints};
-  const std::vector<LidarCell> cells = run_lidar_cells(aids, arguments.poses);
+  const std::vector<LidarCell> cells = run_lidar_cells(aids, arguments.poses, arguments.seeds);
   const std::vector<Bar> bars = gicp ? judge_gicp(cells) : judge_lidar(cells);
   print_table(cells);
   for (const Bar& bar : bars) fmt::print("{} {}: {}\n", bar.met ? "met   " : "NOT MET", bar.demand, bar.measured);
@@ -103,6 +104,8 @@ void add_evaluate_lidar(CLI::App& evaluate, int& exit_code) {
   lidar->add_option("--poses", arguments->poses, "for each of three ways to hold it and each aid")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  lidar->add_option("--room-seed", arguments->seeds.room, "of the room")->capture_default_str();
+  lidar->add_option("--seed", arguments->seeds.pose, "of the first pose; the others follow")->capture_default_str();
   lidar->add_option("--method", arguments->method, "gicp: Generalized ICP beside ray casting, on the same sweeps")
       ->check(CLI::IsMember({kDirect, kGicp}))
       ->capture_default_str();
