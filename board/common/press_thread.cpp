@@ -41,6 +41,7 @@ bool PressThread::ask(Task task) {
 bool PressThread::start(press::Kind kind) {
   if (busy()) return false;
   kind_ = kind;
+  press_->begin();
   return ask(Task::kPress);
 }
 

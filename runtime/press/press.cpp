@@ -56,13 +56,16 @@ void Press::add(const Reason& reason) {
   static_cast<void>(report_.reasons.push_back(reason));
 }
 
+void Press::begin() {
+  abort_ = false;
+  enter(State::kWaitStill, 0);
+}
+
 void Press::run(Kind kind) {
   const int64_t begin_ns = parts_.clocks.now_ns();
   report_ = Report();
   report_.kind = kind;
   has_outcome_ = false;
-  abort_ = false;
-  enter(State::kWaitStill, 0);
   Status status = grab();
   if (status.ok()) status = measure();
   if (status.ok() && kind == Kind::kCalibrate && may_write(outcome_.verdict)) status = keep();

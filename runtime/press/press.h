@@ -53,12 +53,15 @@ struct Parts {
 ///
 ///     still -> grab -> detect .. judge -> store -> check
 ///
-/// run() belongs to the session's thread, now() and abort() to any. report() and outcome() may be read by others while
-/// nothing runs. No heap.
+/// run() belongs to the session's thread, now() and abort() to any. begin() and what report() and outcome() give belong
+/// to whoever starts presses, while nothing runs. No heap.
 class Press final : public grab::GrabWatcher, public calib::Observer {
  public:
   explicit Press(const Parts& parts) : parts_(parts) {}
 
+  /// Before the session's thread is asked to run: from here on now() is not idle, so that nobody takes store and report
+  /// for free, and abort() counts.
+  void begin();
   /// @param[out] report()  complete. An abort or a failure at any step leaves the record in force as it was.
   void run(Kind kind);
 
