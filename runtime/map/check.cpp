@@ -75,6 +75,8 @@ Status check_plane(const fbs::Plane& plane) {
   if (!is_coordinate(plane.d_m()) || !(plane.rms_m() >= 0 && is_coordinate(plane.rms_m()))) {
     return corrupt("a plane's distance is not finite; bake the map again");
   }
+  if (plane.cov() != nullptr && !is_positive_semi_definite(*plane.cov()))
+    return corrupt("a plane's covariance is not finite or not positive semi-definite; bake the map again");
   if (size_of(plane.outline_room()) > kMaxOutline) return corrupt("a plane's outline has too many vertices");
   for (std::size_t i = 0; i < size_of(plane.outline_room()); ++i) {
     const fbs::Vec3f& v = *plane.outline_room()->Get(static_cast<flatbuffers::uoffset_t>(i));

@@ -19,6 +19,12 @@ static_assert(sizeof(fbs::Marker) == 72 && sizeof(fbs::Line) == 28 && sizeof(fbs
 Vec3 to_vec3(const fbs::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 to_vec3(const fbs::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
+Mat33 to_mat33(const fbs::Cov3f& c) {
+  Mat33 m;
+  m << c.xx(), c.xy(), c.xz(), c.xy(), c.yy(), c.yz(), c.xz(), c.yz(), c.zz();
+  return m;
+}
+
 const fbs::Plane& plane_at(const fbs::RoomMap& content, std::size_t i) {
   assert(i < content.planes()->size());
   return *content.planes()->Get(static_cast<flatbuffers::uoffset_t>(i));
@@ -46,11 +52,10 @@ Result<RoomMap> RoomMap::open(std::span<const std::byte> bytes) {
 MapMarker RoomMap::marker(std::size_t i) const {
   assert(i < marker_count_);
   const fbs::Marker& stored = *content_->markers()->Get(static_cast<flatbuffers::uoffset_t>(i));
-  const fbs::Cov3f& c = stored.cov_m2();
   MapMarker marker;
   marker.id = stored.id();
   marker.p_room = to_vec3(stored.p_room());
-  marker.cov_m2 << c.xx(), c.xy(), c.xz(), c.xy(), c.yy(), c.yz(), c.xz(), c.yz(), c.zz();
+  marker.cov_m2 = to_mat33(stored.cov_m2());
   marker.has_normal = (stored.flags() & kHasNormal) != 0;
   if (marker.has_normal) marker.normal_room = to_vec3(stored.normal_room());
   marker.normal_estimated = (stored.flags() & kNormalEstimated) != 0;
@@ -66,7 +71,9 @@ std::size_t RoomMap::plane_count() const {
 
 MapPlane RoomMap::plane(std::size_t i) const {
   const fbs::Plane& stored = plane_at(*content_, i);
-  return {to_vec3(*stored.normal_room()), stored.d_m(), static_cast<double>(stored.rms_m())};
+  MapPlane plane{to_vec3(*stored.normal_room()), stored.d_m(), static_cast<double>(stored.rms_m())};
+  if (stored.cov() != nullptr) plane.cov = to_mat33(*stored.cov());
+  return plane;
 }
 
 std::size_t RoomMap::outline_size(std::size_t plane) const {

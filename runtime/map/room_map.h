@@ -34,6 +34,8 @@ struct MapPlane {
   Vec3 normal_room = Vec3::UnitZ();
   double d_m = 0;
   double rms_m = 0;  ///< of its markers' distances to it
+  /// Of its error (offset, tilt along u, tilt along v), see plane_error.h; (m, rad). Zero: exact, or a map from before.
+  Mat33 cov = Mat33::Zero();
 };
 
 /// Edge of the room: two planes meet from `from_room` to `to_room`.

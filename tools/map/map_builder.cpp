@@ -43,8 +43,9 @@ flatbuffers::Offset<fbs::Plane> store_plane(flatbuffers::FlatBufferBuilder& buil
   std::vector<fbs::Vec3f> outline;
   for (const Vec3& vertex : data.outline_room) outline.push_back(to_vec3f(vertex));
   const fbs::Vec3d normal(data.plane.normal_room.x(), data.plane.normal_room.y(), data.plane.normal_room.z());
+  const fbs::Cov3f cov = to_cov3f(data.plane.cov);
   return fbs::CreatePlaneDirect(builder, &normal, data.plane.d_m, outline.empty() ? nullptr : &outline,
-                                static_cast<float>(data.plane.rms_m));
+                                static_cast<float>(data.plane.rms_m), data.plane.cov.isZero(0) ? nullptr : &cov);
 }
 
 std::vector<fbs::Line> store_lines(const MapData& data) {

@@ -10,7 +10,8 @@ namespace roomcal::tools {
 ///
 /// @param declare  adds sigma_m^2 to the covariances, so that the rig weighs the map as it deserves. Without it the
 ///                 map lies about itself, which is what an experiment on over-confidence wants.
-/// Planes, normals and triangles stay: noise of millimetres changes neither which markers are neighbours nor the walls.
+/// Planes are fitted anew to the markers that were on them; declared noise is then in their covariance as well. Normals
+/// and triangles stay: noise of millimetres does not change which markers are neighbours.
 void add_noise(MapData& data, double sigma_m, uint64_t seed, bool declare);
 
 }  // namespace roomcal::tools

@@ -8,12 +8,13 @@
 #include "runtime/map/format.h"
 #include "tools/common/random.h"
 #include "tools/map/convex.h"
+#include "tools/map/plane_refit.h"
 
 namespace roomcal::tools {
 
 namespace {
 
-using Indices = std::vector<std::size_t>;
+using Indices = PlaneMembers;
 using map::MapMarker;
 using map::MapPlane;
 
@@ -68,14 +69,9 @@ class PlaneFinder {
     return members;
   }
 
-  Vec3 centroid_of(const Indices& members) const {
-    Vec3 sum = Vec3::Zero();
-    for (const std::size_t i : members) sum += markers_[i].p_room;
-    return sum / static_cast<double>(members.size());
-  }
-
   Eigen::SelfAdjointEigenSolver<Mat33> spread_of(const Indices& members) const {
-    const Vec3 centroid = centroid_of(members);
+    Vec3 centroid = Vec3::Zero();
+    for (const std::size_t i : members) centroid += markers_[i].p_room / static_cast<double>(members.size());
     Mat33 scatter = Mat33::Zero();
     for (const std::size_t i : members) {
       const Vec3 arm = markers_[i].p_room - centroid;
@@ -87,10 +83,7 @@ class PlaneFinder {
   void refit(const Indices& free, MapPlane& plane, Indices& members) const {
     constexpr int kRounds = 5;
     for (int round = 0; round < kRounds && members.size() >= options_.min_markers; ++round) {
-      const auto spread = spread_of(members);
-      plane.normal_room = spread.eigenvectors().col(0);
-      plane.d_m = -plane.normal_room.dot(centroid_of(members));
-      plane.rms_m = std::sqrt(std::max(0.0, spread.eigenvalues()[0]));
+      fit_plane(markers_, members, plane);
       Indices again = members_of(plane, free);
       if (again == members) return;
       members = std::move(again);
@@ -150,6 +143,7 @@ std::vector<PlaneData> fit_planes(std::vector<MapMarker>& markers, const PlaneFi
     const Indices members = finder.best(free, plane);
     if (members.empty()) break;
     point_into_room(markers, members, options.tolerance_m, plane);
+    plane.cov = plane_covariance(markers, members, plane);
     for (const std::size_t i : members) markers[i].plane = static_cast<int>(planes.size());
     std::erase_if(free, [&](std::size_t i) { return markers[i].plane >= 0; });
     planes.push_back({plane, outline_of(markers, members, plane)});

@@ -57,6 +57,8 @@ const std::vector<Damage>& damages() {
       {"plane's normal is not of unit", [](MapData& d) { d.planes[1].plane.normal_room *= 0.9; }},
       {"plane's distance is not finite", [](MapData& d) { d.planes[1].plane.d_m = kNan; }},
       {"plane's distance is not finite", [](MapData& d) { d.planes[1].plane.rms_m = -1; }},
+      {"plane's covariance is not finite", [](MapData& d) { d.planes[0].plane.cov(0, 0) = kNan; }},
+      {"plane's covariance is not finite or not positive", [](MapData& d) { d.planes[0].plane.cov(1, 1) = -1e-6; }},
       {"outline is not finite", [](MapData& d) { d.planes[0].outline_room[1].x() = kNan; }},
       {"outline has too many", [](MapData& d) { d.planes[0].outline_room.assign(kMaxOutline + 1, Vec3::Zero()); }},
       {"more than 256 planes", [](MapData& d) { d.planes.resize(kMaxPlanes + 1); }},

@@ -54,6 +54,8 @@ TEST(RoomMap, BuiltMap_ReadsBackWhole) {
   ASSERT_EQ(map.plane_count(), 3U);
   EXPECT_EQ(map.plane(1).normal_room, Vec3(0.6, 0.8, 0));
   EXPECT_EQ(map.plane(1).d_m, -1.5);
+  EXPECT_LT((map.plane(0).cov - data.planes[0].plane.cov).norm(), 1e-13);
+  EXPECT_TRUE(map.plane(1).cov.isZero(0)) << "not written, as in maps from before";
   EXPECT_EQ(map.outline_size(0), 3U);
   EXPECT_EQ(map.outline_vertex_room(0, 2), Vec3(0, 2, 0));
   EXPECT_EQ(map.outline_size(1), 0U);

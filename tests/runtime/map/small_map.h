@@ -30,6 +30,7 @@ inline tools::MapData small_map() {
     data.markers.push_back(marker);
   }
   data.planes.push_back({{Vec3::UnitZ(), 0, 0.001}, {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 2, 0)}});
+  data.planes.back().plane.cov << 4e-8, 1e-8, 0, 1e-8, 9e-8, -2e-8, 0, -2e-8, 1e-7;
   data.planes.push_back({{Vec3(0.6, 0.8, 0), -1.5, 0.002}, {}});
   data.planes.push_back({{Vec3(-0.8, 0.6, 0), 0, 0.002}, {}});
   data.lines = {{0, 1, Vec3(0.9, 1.2, 0), Vec3(0.1, 1.8, 0)}, {1, 2, Vec3(0.9, 1.2, 0), Vec3(0.9, 1.2, 2.5)}};

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/map/box_room.h"
+#include "tools/map/complete_map.h"
 
 namespace roomcal::tools {
 namespace {
@@ -17,6 +18,19 @@ TEST(AddNoise, SameSeed_GivesTheSameMap) {
   add_noise(c, 0.01, 8, true);
   EXPECT_EQ(a.markers[5].p_room, b.markers[5].p_room);
   EXPECT_NE(a.markers[5].p_room, c.markers[5].p_room);
+}
+
+TEST(AddNoise, Planes_FollowTheirMarkersAndSayHowWell) {
+  MapData data = test::box_room(60, 0, 1);
+  complete_map(data);
+  ASSERT_EQ(data.planes.size(), 5U);
+  EXPECT_TRUE(data.planes[0].plane.cov.isZero(0));
+  const Vec3 normal = data.planes[0].plane.normal_room;
+  add_noise(data, 0.005, 7, true);
+  EXPECT_NE(data.planes[0].plane.normal_room, normal);
+  EXPECT_GT(data.planes[0].plane.normal_room.dot(normal), 0.999);
+  EXPECT_NEAR(data.planes[0].plane.rms_m, 0.005, 0.002);
+  EXPECT_FALSE(data.planes[0].plane.cov.isZero(0));
 }
 
 TEST(AddNoise, Spread_IsSigmaPerAxis) {
