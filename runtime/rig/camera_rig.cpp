@@ -7,6 +7,7 @@
 #include "runtime/rig/covariance.h"
 #include "runtime/rig/input_check.h"
 #include "runtime/rig/levenberg_marquardt.h"
+#include "runtime/rig/plane_terms.h"
 
 namespace roomcal::rig {
 
@@ -131,10 +132,10 @@ RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size
 }
 
 std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks,
-                                std::size_t lenses) {
+                                std::size_t lenses, std::size_t lidars) {
   const std::size_t size = unknowns(sensors, lenses);
   return JointProblem::bytes(sensors, observations, landmarks, lenses) + NormalEquations::bytes(sensors, lenses) +
-         size * size * sizeof(double);
+         size * size * sizeof(double) + (lidars == 0 ? 0 : LidarsOnPlanes::bytes(lidars) + correlation_bytes(size));
 }
 
 std::size_t solve_step_bytes(std::size_t sensors, std::size_t lenses) {
@@ -174,6 +175,7 @@ Status solve_rig(const RigInput& input, const SolveOptions& options, Arena& step
     return seen;
   }
   ROOMCAL_TRY(fit);
+  ROOMCAL_TRY(correlate_planes_with_markers(problem, equations, scratch, cov));
 
   RigSolution filled;
   ROOMCAL_TRY(allocate_solution(sensors, lenses, step, filled));

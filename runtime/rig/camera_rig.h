@@ -17,11 +17,25 @@ namespace roomcal::rig {
 inline constexpr std::size_t kMaxViews = 8;
 inline constexpr std::size_t kMaxLidars = 4;
 
+inline constexpr uint16_t kNoPlane = 0xFFFF;
+
 /// A map point, with its prior. Points that no camera observes are allowed and ignored.
 struct Landmark {
   Vec3 p_room = Vec3::Zero();    ///< prior mean, m
   Mat33 cov_m2 = Mat33::Zero();  ///< prior covariance, positive semi-definite; zero: exact, held fixed
+  uint16_t plane = kNoPlane;     ///< of the map, if the point is one of those that the plane was fitted to
+  /// What the point's error, m, adds to the error of its plane, (m, rad, rad).
+  Mat33 plane_by_point = Mat33::Zero();
 };
+
+/// What an error of a plane of the map, (offset, tilt, tilt) of map/plane_error.h, adds to the gradient of a LiDAR's
+/// points: pull * error.
+struct PlanePull {
+  uint16_t plane = 0;
+  Eigen::Matrix<double, 6, 3> pull = Eigen::Matrix<double, 6, 3>::Zero();
+};
+/// Most planes that one LiDAR may be pulled by.
+inline constexpr std::size_t kMaxPulls = 64;
 
 /// One ring centre of one camera, assigned to a landmark.
 struct RingObservation {
@@ -55,6 +69,7 @@ struct LidarView {
   LidarMount mount;
   double open_sigma_t_m = 1.0;  ///< 1-sigma of a direction that nothing fixes
   double open_sigma_rot_rad = 0.5;
+  std::span<const PlanePull> pulls = {};  ///< of the planes that its points lie on
 };
 
 inline constexpr std::size_t kNoReference = SIZE_MAX;
@@ -65,6 +80,8 @@ struct RigInput {
   std::span<const LidarView> lidars;
   std::size_t reference = kNoReference;  ///< the camera that mounts are relative to; without it they take no part
   std::span<const Landmark> landmarks;   ///< at most 65536, numbered by the observations
+  /// Covariance of the errors of the map's planes, by their number; zero: exact. Empty: all are.
+  std::span<const Mat33> plane_cov = {};
 };
 
 struct SolveOptions {
@@ -132,9 +149,9 @@ struct RelativePose {
 RelativePose relative_pose(const RigSolution& solution, std::size_t a, std::size_t b);
 
 /// Scratch that solve_rig() needs, bytes; sensors: cameras and LiDARs; observations of all cameras together; lenses:
-/// cameras whose intrinsics are refined.
+/// cameras whose intrinsics are refined; lidars: sensors that planes may pull.
 std::size_t solve_scratch_bytes(std::size_t sensors, std::size_t observations, std::size_t landmarks,
-                                std::size_t lenses = 0);
+                                std::size_t lenses = 0, std::size_t lidars = 0);
 /// Step memory that the solution occupies, bytes.
 std::size_t solve_step_bytes(std::size_t sensors, std::size_t lenses = 0);
 
@@ -144,6 +161,7 @@ std::size_t solve_step_bytes(std::size_t sensors, std::size_t lenses = 0);
 /// Minimizes over poses, map points, and the parameters k of cameras that have a prior for them,
 ///     sum rho(|project_k(T_cam_room p) - centre|^2_cov) + sum |p - p_prior|^2_cov + sum |(k - k_prior) / sigma|^2
 ///     + sum (xi' information xi - 2 gradient . xi) + sum |log(T_lidar_reference T_room_reference^-1 T_room_lidar)|^2.
+/// LiDARs before the same uncertain planes share their errors (plane_terms.h), which are correlated with the markers'.
 /// The points are eliminated by the Schur complement (3x3 blocks), so the cost is linear in observations.
 /// @param[out] solution  filled only for kOk.
 /// @param[out] degenerate_view  number of the camera to blame, set only for kDegenerate; may be null.

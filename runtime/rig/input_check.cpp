@@ -41,6 +41,9 @@ Status check_lidar(const LidarView& lidar) {
     return {StatusCode::kInvalidArgument, "a LiDAR's information is not finite and positive semi-definite"};
   if (!(lidar.open_sigma_t_m > 0 && lidar.open_sigma_rot_rad > 0))
     return {StatusCode::kInvalidArgument, "a LiDAR's open sigmas must be positive"};
+  if (lidar.pulls.size() > kMaxPulls) return {StatusCode::kCapacity, "a LiDAR is pulled by more planes than kMaxPulls"};
+  for (const PlanePull& pull : lidar.pulls)
+    if (!pull.pull.allFinite()) return {StatusCode::kInvalidArgument, "a plane's pull on a LiDAR is not finite"};
   if (!lidar.mount.known) return ok_status();
   if (!is_rigid(lidar.mount.T_reference_lidar) || !(lidar.mount.sigma_t_m > 0 && lidar.mount.sigma_rot_rad > 0))
     return {StatusCode::kInvalidArgument, "a LiDAR's mount must be rigid, with positive sigmas"};
@@ -64,6 +67,13 @@ Status check_inputs(const RigInput& input, const SolveOptions& options) {
     if (!landmark.p_room.allFinite()) return {StatusCode::kInvalidArgument, "a landmark's position is not finite"};
     if (!covariance_root(landmark.cov_m2, L))
       return {StatusCode::kInvalidArgument, "a landmark's covariance is not positive semi-definite"};
+    if (!landmark.plane_by_point.allFinite())
+      return {StatusCode::kInvalidArgument, "a landmark's share in its plane is not finite"};
+  }
+  for (const Mat33& cov : input.plane_cov) {
+    Mat33 L;
+    if (!covariance_root(cov, L))
+      return {StatusCode::kInvalidArgument, "a plane's covariance is not positive semi-definite"};
   }
   for (const CameraView& view : input.cameras) ROOMCAL_TRY(check_view(view, input.landmarks.size()));
   for (const LidarView& lidar : input.lidars) ROOMCAL_TRY(check_lidar(lidar));

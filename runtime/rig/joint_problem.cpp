@@ -100,6 +100,9 @@ Status JointProblem::build(const RigInput& input, const SolveOptions& options, A
 
   problem.robust_scale = options.robust_scale;
   problem.lidars = input.lidars;
+  problem.given = landmarks;
+  problem.plane_cov = input.plane_cov;
+  ROOMCAL_TRY(LidarsOnPlanes::build(input, scratch, problem.planes));
   problem.reference = input.reference;
   for (std::size_t i = 0; i < input.lidars.size(); ++i)
     problem.state.T_room_sensor[views.size() + i] = input.lidars[i].points.T_hat;

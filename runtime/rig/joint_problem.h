@@ -7,6 +7,7 @@
 #include "runtime/base/arena.h"
 #include "runtime/math/robust_loss.h"
 #include "runtime/rig/camera_rig.h"
+#include "runtime/rig/plane_terms.h"
 
 namespace roomcal::rig {
 
@@ -69,7 +70,10 @@ struct JointProblem {
   std::span<ViewTerms> views;
   std::span<LensTerms> lenses;        ///< view by view; empty if all intrinsics are held
   std::span<Mat28> J_lens;            ///< of every term, in its lens' v, whitened; empty without lenses
-  std::span<const LidarView> lidars;  ///< the caller's
+  std::span<const LidarView> lidars;  ///< the caller's, and so are the next two
+  std::span<const Landmark> given;
+  std::span<const Mat33> plane_cov;
+  LidarsOnPlanes planes;
   std::size_t reference = kNoReference;
   std::span<LandmarkTerms> landmarks;
   std::span<double> sorted;  ///< scratch of update_turn_over(), one per term

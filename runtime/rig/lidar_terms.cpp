@@ -1,5 +1,7 @@
 #include "runtime/rig/lidar_terms.h"
 
+#include <array>
+
 #include <Eigen/Core>
 
 namespace roomcal::rig {
@@ -13,12 +15,6 @@ Vec6 weights(double sigma_t_m, double sigma_rot_rad) {
   w.head<3>().setConstant(1 / (sigma_t_m * sigma_t_m));
   w.tail<3>().setConstant(1 / (sigma_rot_rad * sigma_rot_rad));
   return w;
-}
-
-Mat66 own_information(const LidarView& lidar) {
-  Mat66 own = lidar.points.information;
-  own.diagonal() += weights(lidar.open_sigma_t_m, lidar.open_sigma_rot_rad);
-  return own;
 }
 
 /// Where a LiDAR stands against what its points and its mount say.
@@ -58,6 +54,39 @@ void add_points(const LidarView& lidar, const Vec6& xi, std::size_t sensor, Norm
   add_gradient(sensor, J.transpose() * (own * xi - lidar.points.gradient), equations);
 }
 
+/// The same for all LiDARs together, where they share planes that may be off.
+void add_points_together(const JointProblem& problem, NormalEquations& equations) {
+  const LidarsOnPlanes& planes = problem.planes;
+  std::array<Mat66, kMaxLidars> J;
+  std::array<Vec6, kMaxLidars> off;
+  for (std::size_t l = 0; l < problem.lidars.size(); ++l) {
+    const Vec6 xi = residuals(problem, problem.state, l).points;
+    J[l] = se3_right_jacobian_inverse(xi);
+    off[l] = xi - planes.estimate_of(l);
+  }
+  for (std::size_t l = 0; l < problem.lidars.size(); ++l) {
+    const std::size_t sensor = problem.views.size() + l;
+    Vec6 g = Vec6::Zero();
+    for (std::size_t m = 0; m < problem.lidars.size(); ++m) {
+      const Mat66 own = planes.information_block(l, m);
+      g += own * off[m];
+      if (m <= l) add_block(sensor, problem.views.size() + m, J[l].transpose() * own * J[m], equations);
+    }
+    add_gradient(sensor, J[l].transpose() * g, equations);
+  }
+}
+
+double cost_together(const JointProblem& problem, const State& at) {
+  double sum = 0;
+  for (std::size_t l = 0; l < problem.lidars.size(); ++l) {
+    const Vec6 off = residuals(problem, at, l).points - problem.planes.estimate_of(l);
+    for (std::size_t m = 0; m < problem.lidars.size(); ++m)
+      sum += off.dot(problem.planes.information_block(l, m) *
+                     (residuals(problem, at, m).points - problem.planes.estimate_of(m)));
+  }
+  return sum;
+}
+
 void add_mount(const LidarMount& mount, const Residuals& r, std::size_t sensor, std::size_t reference,
                NormalEquations& equations) {
   const Vec6 w = weights(mount.sigma_t_m, mount.sigma_rot_rad);
@@ -75,11 +104,12 @@ void add_mount(const LidarMount& mount, const Residuals& r, std::size_t sensor, 
 }  // namespace
 
 double lidar_cost(const JointProblem& problem, const State& at) {
-  double sum = 0;
+  double sum = problem.planes.used() ? cost_together(problem, at) : 0;
   for (std::size_t i = 0; i < problem.lidars.size(); ++i) {
     const LidarView& lidar = problem.lidars[i];
     const Residuals r = residuals(problem, at, i);
-    sum += r.points.dot(own_information(lidar) * r.points) - 2 * lidar.points.gradient.dot(r.points);
+    if (!problem.planes.used())
+      sum += r.points.dot(own_information(lidar) * r.points) - 2 * lidar.points.gradient.dot(r.points);
     if (!r.mounted) continue;
     const Vec6 w = weights(lidar.mount.sigma_t_m, lidar.mount.sigma_rot_rad);
     sum += r.mount.cwiseAbs2().dot(w);
@@ -88,10 +118,11 @@ double lidar_cost(const JointProblem& problem, const State& at) {
 }
 
 void add_lidars(const JointProblem& problem, NormalEquations& equations) {
+  if (problem.planes.used()) add_points_together(problem, equations);
   for (std::size_t i = 0; i < problem.lidars.size(); ++i) {
     const std::size_t sensor = problem.views.size() + i;
     const Residuals r = residuals(problem, problem.state, i);
-    add_points(problem.lidars[i], r.points, sensor, equations);
+    if (!problem.planes.used()) add_points(problem.lidars[i], r.points, sensor, equations);
     if (r.mounted) add_mount(problem.lidars[i].mount, r, sensor, problem.reference, equations);
   }
 }
