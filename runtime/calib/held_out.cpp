@@ -107,8 +107,7 @@ Status predict_held_out(const Session& session, Arenas& arenas, Outcome& outcome
   for (const CameraOutcome& camera : outcome.cameras)
     if (camera.located) joint.cameras[camera.view].observations = camera.rings.first(camera.kept_rings);
   rig::RigSolution kept;
-  const Status status =
-      rig::solve_rig(joint.input(outcome.landmarks), solve_options(session), arenas.step, arenas.scratch, kept);
+  const Status status = rig::solve_rig(joint.input(outcome), solve_options(session), arenas.step, arenas.scratch, kept);
   if (status.code() == StatusCode::kOutOfMemory) return status;
   if (!status.ok()) return ok_status();  // four fifths do not determine what all do: the covariance says so already
   const std::span<double> misses = arenas.step.allocate<double>(held_out);

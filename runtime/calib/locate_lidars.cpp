@@ -84,18 +84,25 @@ Status locate_one(const Session& session, std::size_t i, const Sweeps& sweeps, c
 
 }  // namespace
 
-Status locate_sweeps(const Session& session, std::size_t lidar, const Sweeps& sweeps, const scan::PosePrior* prior,
-                     Arenas& arenas, scan::Location& location) {
-  const Arena::Scope scope(arenas.step);
-  const std::span<lidar::Sweep> clean = arenas.step.allocate<lidar::Sweep>(kMaxSweeps);
+Status clean_sweeps(const Sweeps& sweeps, Arena& step, std::span<lidar::Sweep>& clean) {
+  clean = step.allocate<lidar::Sweep>(kMaxSweeps);
   if (clean.empty()) return out_of_arena("step arena: no room for sweeps: reserve plan_memory()");
   std::size_t count = 0;
   for (const lidar::Sweep& sweep : sweeps)
     if (usable(sweep) && count < clean.size()) clean[count++] = sweep;
+  clean = clean.first(count);
+  return ok_status();
+}
+
+Status locate_sweeps(const Session& session, std::size_t lidar, const Sweeps& sweeps, const scan::PosePrior* prior,
+                     Arenas& arenas, scan::Location& location) {
+  const Arena::Scope scope(arenas.step);
+  std::span<lidar::Sweep> clean;
+  ROOMCAL_TRY(clean_sweeps(sweeps, arenas.step, clean));
   scan::LocateOptions options;
   options.accept.min_azimuth = kFitting * session.limits.min_horizon;
-  return scan::locate(*session.surface, clean.first(count), session.device.lidars[lidar].ranges, prior, options,
-                      arenas.scratch, location);
+  return scan::locate(*session.surface, clean, session.device.lidars[lidar].ranges, prior, options, arenas.scratch,
+                      location);
 }
 
 Status locate_lidars(const Session& session, std::span<const Sweeps> sweeps, Steps& steps, Arenas& arenas,

@@ -25,6 +25,9 @@ Status locate_cameras(const Session& session, Steps& steps, Arenas& arenas, Outc
 Status locate_lidars(const Session& session, std::span<const Sweeps> sweeps, Steps& steps, Arenas& arenas,
                      Outcome& outcome);
 
+/// The sweeps of one LiDAR that may take part, in the step arena. @return kOk or kOutOfMemory.
+Status clean_sweeps(const Sweeps& sweeps, Arena& step, std::span<lidar::Sweep>& clean);
+
 /// One LiDAR from its clean sweeps and a prior (null: none), scan::locate() as it is.
 Status locate_sweeps(const Session& session, std::size_t lidar, const Sweeps& sweeps, const scan::PosePrior* prior,
                      Arenas& arenas, scan::Location& location);

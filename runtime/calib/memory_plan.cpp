@@ -6,6 +6,7 @@
 #include "runtime/map/triangle_index.h"
 #include "runtime/scan/locate.h"
 #include "runtime/scan/outline.h"
+#include "runtime/scan/plane_pull.h"
 #include "runtime/scan/surface.h"
 
 namespace roomcal::calib {
@@ -42,15 +43,18 @@ MemoryPlan plan_memory(const Device& device, const map::RoomMap& map) {
                     // As often as a LiDAR is located again, and once without the held-out markers.
                     3 * rig::solve_step_bytes(sensors, lenses) + array_bytes<double>(cameras * kMaxDetections / 2);
   plan.scratch_bytes = std::max(pose::locate_scratch_bytes(kMaxDetections) + array_bytes<double>(kMaxDetections),
-                                rig::solve_scratch_bytes(sensors, cameras * kMaxDetections, markers, lenses));
+                                rig::solve_scratch_bytes(sensors, cameras * kMaxDetections, markers, lenses, lidars));
   for (const CameraSpec& camera : device.cameras) {
     const camera::Intrinsics& k = camera.camera.intrinsics();
     plan.scratch_bytes = std::max(plan.scratch_bytes, marker::detector_scratch_bytes(k.width_px, k.height_px));
   }
   if (lidars > 0) {
     plan.permanent_bytes += scan::Surface::bytes(map.plane_count(), markers);
-    plan.step_bytes += array_bytes<lidar::Sweep>(kMaxSweeps) + array_bytes<scan::Location>(1);
-    plan.scratch_bytes = std::max({plan.scratch_bytes, scan::locate_scratch_bytes(), surface_scratch_bytes(map)});
+    plan.step_bytes += array_bytes<lidar::Sweep>(kMaxSweeps) + array_bytes<scan::Location>(1) +
+                       array_bytes<Mat33>(map.plane_count()) +
+                       2 * lidars * array_bytes<rig::PlanePull>(rig::kMaxPulls);  // once more where it is located again
+    plan.scratch_bytes = std::max({plan.scratch_bytes, scan::locate_scratch_bytes(), scan::face_pull_scratch_bytes(),
+                                   surface_scratch_bytes(map)});
   }
   return plan;
 }

@@ -62,6 +62,7 @@ struct LidarOutcome {
   SE3 T_rig_lidar;                                ///< after the joint solution
   SE3 T_room_lidar;                               ///< after the joint solution
   Mat66 cov_rig_lidar = Mat66::Zero();            ///< of T_rig_lidar, right perturbation (m, rad)
+  std::span<rig::PlanePull> pulls;                ///< of planes that the map is not sure of; lives in the step arena
   scan::Location location;                        ///< as the sweep alone tells: weak directions, beam offsets, shares
   std::size_t sensor = 0;                         ///< number in `solution`, if located
   Reason failure;                                 ///< why not located; empty otherwise
@@ -104,6 +105,7 @@ struct Outcome {
   std::size_t reference = 0;           ///< number of the reference camera
   rig::RigSolution solution;           ///< all located sensors, by CameraOutcome::view and LidarOutcome::sensor
   std::span<rig::Landmark> landmarks;  ///< the map's markers, all of them, in its numbering; in the step arena
+  std::span<Mat33> plane_cov;          ///< of the map's planes, by number; empty: all exact; in the step arena
   HeldOut held_out;
   InstalledCheck installed;
   std::array<int64_t, static_cast<std::size_t>(Stage::kCount)> stage_ns{};

@@ -7,6 +7,7 @@
 #include "runtime/base/reason.h"
 #include "runtime/calib/held_out.h"
 #include "runtime/calib/locate_sensors.h"
+#include "runtime/calib/map_errors.h"
 
 namespace roomcal::calib {
 
@@ -16,22 +17,6 @@ namespace {
 // hundredth of a sigma (tests/runtime/scan).
 constexpr double kLinear_m = 0.005;
 constexpr double kLinear_rad = 0.003;
-
-/// A sweep's information as far as it may be believed. Returns that contradict the map come from things that it lacks;
-/// where such a thing meets a known wall, some of its returns lie within the robust loss's three sigmas and pull, all
-/// to one side. Of a thing of about 0.7 m, a share of 3 sigma / 0.7 m of the returns does so, by 1.5 sigma on average:
-/// of n points of which f contradict, that moves the pose by f (3 sigma / 0.7 m) 1.5 sqrt(n) of its own sigmas. With
-/// nothing unknown in view, f is 0 and nothing changes.
-PoseInformation believed(const scan::Location& location) {
-  constexpr double kThing_m = 0.7, kReach = 3, kMeanPull = 1.5;
-  PoseInformation points = location.information;
-  const double unknown = 1 - location.shares.explained;
-  const double pull = unknown * (kReach * location.sigma_m / kThing_m) * kMeanPull;
-  const double widened = 1 + pull * pull * static_cast<double>(location.inliers);
-  points.information /= widened;
-  points.gradient /= widened;
-  return points;
-}
 
 Status collect_rings(Arena& step, CameraOutcome& camera) {
   camera.rings = step.allocate<rig::RingObservation>(camera.inliers.size());
@@ -44,15 +29,12 @@ Status collect_rings(Arena& step, CameraOutcome& camera) {
   return ok_status();
 }
 
-Status collect_input(const Session& session, Arena& step, Outcome& outcome) {
-  outcome.landmarks = step.allocate<rig::Landmark>(session.map.marker_count());
-  if (outcome.landmarks.empty()) return out_of_arena("step arena: no room for landmarks: reserve plan_memory()");
-  for (std::size_t m = 0; m < outcome.landmarks.size(); ++m) {
-    const map::MapMarker marker = session.map.marker(m);
-    outcome.landmarks[m] = {marker.p_room, marker.cov_m2};
-  }
+Status collect_input(const Session& session, std::span<const Sweeps> sweeps, Arenas& arenas, Outcome& outcome) {
+  ROOMCAL_TRY(collect_map(session, arenas, outcome));
   for (CameraOutcome& camera : outcome.cameras)
-    if (camera.located) ROOMCAL_TRY(collect_rings(step, camera));
+    if (camera.located) ROOMCAL_TRY(collect_rings(arenas.step, camera));
+  for (std::size_t i = 0; i < outcome.lidars.size(); ++i)
+    if (outcome.lidars[i].located) ROOMCAL_TRY(collect_pulls(session, i, sweeps[i], arenas, outcome));
   return ok_status();
 }
 
@@ -107,8 +89,8 @@ Status solve(const Session& session, Arenas& arenas, Outcome& outcome) {
     number_sensors(session, outcome, joint);
     if (joint.cameras.empty() && joint.lidars.empty()) return ok_status();
     std::size_t blamed_view = 0;
-    const Status status = rig::solve_rig(joint.input(outcome.landmarks), solve_options(session), arenas.step,
-                                         arenas.scratch, outcome.solution, &blamed_view);
+    const Status status = rig::solve_rig(joint.input(outcome), solve_options(session), arenas.step, arenas.scratch,
+                                         outcome.solution, &blamed_view);
     if (status.code() == StatusCode::kOutOfMemory) return status;
     if (status.ok()) return ok_status();
     drop(status, blamed_view, outcome);
@@ -132,6 +114,7 @@ Result<bool> relinearize(const Session& session, std::span<const Sweeps> sweeps,
     prior.cov.diagonal().array() += 1e-12;
     ROOMCAL_TRY(locate_sweeps(session, i, sweeps[i], &prior, arenas, lidar.location));
     lidar.located = lidar.location.outcome == scan::LocateOutcome::kLocated;
+    if (lidar.located) ROOMCAL_TRY(collect_pulls(session, i, sweeps[i], arenas, outcome));
     if (lidar.located) continue;
     const Name who(lidar.name);
     lidar.failure =
@@ -165,7 +148,8 @@ void number_sensors(const Session& session, Outcome& outcome, JointProblemInput&
         joint.lidars.push_back({believed(lidar.location),
                                 {mounting.known, mounting.T_rig_sensor, mounting.sigma_t_m, mounting.sigma_rot_rad},
                                 scan::kUnseenSigma_m,
-                                scan::kUnseenSigma_rad}));
+                                scan::kUnseenSigma_rad,
+                                lidar.pulls}));
   }
 }
 
@@ -180,7 +164,7 @@ Status refine_jointly(const Session& session, std::span<const Sweeps> sweeps, Ar
   if (std::none_of(outcome.cameras.begin(), outcome.cameras.end(), located) &&
       std::none_of(outcome.lidars.begin(), outcome.lidars.end(), located))
     return ok_status();
-  ROOMCAL_TRY(collect_input(session, arenas.step, outcome));
+  ROOMCAL_TRY(collect_input(session, sweeps, arenas, outcome));
   ROOMCAL_TRY(solve(session, arenas, outcome));
   const Result<bool> moved = relinearize(session, sweeps, arenas, outcome);
   if (!moved.ok()) return moved.status();

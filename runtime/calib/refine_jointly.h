@@ -16,8 +16,8 @@ struct JointProblemInput {
   LidarViews lidars;
   std::size_t reference = rig::kNoReference;
 
-  rig::RigInput input(std::span<const rig::Landmark> landmarks) const {
-    return {cameras.span(), lidars.span(), reference, landmarks};
+  rig::RigInput input(const Outcome& outcome) const {
+    return {cameras.span(), lidars.span(), reference, outcome.landmarks, outcome.plane_cov};
   }
 };
 void number_sensors(const Session& session, Outcome& outcome, JointProblemInput& joint);
