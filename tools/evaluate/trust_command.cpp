@@ -10,6 +10,7 @@
 
 #include "tools/common/files.h"
 #include "tools/common/progress.h"
+#include "tools/evaluate/trust_map_noise.h"
 #include "tools/evaluate/trust_trial.h"
 
 namespace roomcal::tools {
@@ -25,6 +26,7 @@ struct Arguments {
   int shots = 1000;
   bool traps = true;
   TrustOptions options;
+  std::vector<double> map_noise_mm;
   std::string json_file;
 };
 
@@ -91,6 +93,7 @@ bool print_and_judge(const Report& report, json& out) {
                    {"unmoved", moves.moved}};
   for (std::size_t t = 0; t < kTraps.size(); ++t) {
     const TrapTally& trap = report.traps[t];
+    if (trap.shots == 0) continue;
     fmt::print("{:<34} {:4} shots: {:4} refused, {:4} right, {:4} wrong (bar 0)\n", to_string(kTraps[t]), trap.shots,
                trap.refused, trap.right, trap.wrong);
     out["traps"][to_string(kTraps[t])] = {
@@ -108,6 +111,37 @@ bool print_and_judge(const Report& report, json& out) {
   return good;
 }
 
+/// What noise of the map makes of pairs, and whether they say so. @return whether NEES stays in its band.
+bool measure_map_noise(const Arguments& arguments, json& out) {
+  std::vector<TrustRoom> rooms;
+  for (uint64_t seed = 1; seed <= kRooms; ++seed) rooms.emplace_back(seed);
+  Progress progress("map noise", arguments.map_noise_mm.size() * static_cast<std::size_t>(arguments.shots));
+  bool good = true;
+  for (const double noise_mm : arguments.map_noise_mm) {
+    MapNoiseTally tally;
+    tally.sigma_m = 1e-3 * noise_mm;
+    for (int i = 0; i < arguments.shots; ++i) {
+      run_map_noise_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, tally);
+      progress.step();
+    }
+    fmt::print("map noise {} mm: {} of {} shots pass\n", noise_mm, tally.passed, tally.shots);
+    for (const PairKind kind : kPairKinds) {
+      const PairTally& pair = tally.pairs[static_cast<std::size_t>(kind)];
+      // The band of as many values as there are shots: pairs of one shot share their sensors and their map.
+      const double z = deviate(kPairKinds.size()), low = nees_quantile(static_cast<std::size_t>(tally.shots), -z),
+                   high = nees_quantile(static_cast<std::size_t>(tally.shots), z), nees = mean(pair.nees);
+      const bool inside = nees > low && nees < high;
+      fmt::print("  {:<14} NEES {:6.3f} in [{:.3f}, {:.3f}]{}  RMS {:.3f} mm {:.4f} deg, said {:.3f} mm {:.4f} deg\n",
+                 to_string(kind), nees, low, high, inside ? "" : "  OUTSIDE", 1e3 * pair.rms_m(),
+                 rad_to_deg(pair.rms_rad()), 1e3 * pair.sigma_m(), rad_to_deg(pair.sigma_rad()));
+      out["map_noise"][fmt::format("{}", noise_mm)][to_string(kind)] = {
+          {"nees", nees}, {"low", low}, {"high", high}, {"rms_m", pair.rms_m()}, {"sigma_m", pair.sigma_m()}};
+      good = good && inside;
+    }
+  }
+  return good;
+}
+
 }  // namespace
 
 void add_evaluate_trust(CLI::App& app, int& exit_code) {
@@ -118,11 +152,14 @@ void add_evaluate_trust(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--refine-intrinsics", arguments->options.refine_intrinsics,
                     "lenses off by a draw from their prior, refined along");
+  command->add_option("--map-noise", arguments->map_noise_mm, "only: pairs with maps of this noise, mm, that say so")
+      ->check(CLI::Range(0.0, 50.0));
   command->add_flag("!--no-traps", arguments->traps, "leave the traps out");
   command->add_option("--json", arguments->json_file, "write the figures to this file");
   command->callback([arguments, &exit_code] {
     json out;
-    const bool good = print_and_judge(measure(*arguments), out);
+    const bool good = arguments->map_noise_mm.empty() ? print_and_judge(measure(*arguments), out)
+                                                      : measure_map_noise(*arguments, out);
     if (!arguments->json_file.empty()) write_atomic(arguments->json_file, out.dump(1) + "\n");
     exit_code = good ? 0 : 2;
   });
