@@ -52,8 +52,6 @@ class PosedSurface {
   std::size_t face_count() const { return count_; }
 
  private:
-  static constexpr std::size_t kMaxEdges = kMaxFaces * kMaxFaceEdges;
-
   std::size_t count_ = 0;
   FaceFloats gx_, gy_, gz_, height_m_;
   std::array<uint16_t, kFaceRows> first_edge_;

@@ -44,16 +44,23 @@ Status gather_points(const map::RoomMap& map, std::size_t i, Arena& scratch, std
   return ok_status();
 }
 
+std::size_t edge_capacity(std::size_t planes) { return std::min(planes * kMaxFaceEdges, kMaxEdges); }
+
 }  // namespace
 
 std::size_t Surface::bytes(std::size_t planes, std::size_t markers) {
-  return planes * (sizeof(Face) + kMaxFaceEdges * (sizeof(Vec3) + sizeof(FaceEdge))) + markers * sizeof(Print) + 64;
+  return planes * sizeof(Face) + edge_capacity(planes) * (sizeof(Vec3) + sizeof(FaceEdge)) + markers * sizeof(Print) +
+         64;
 }
 
 Status Surface::add_face(const Vec3& normal_room, double d_m, std::span<const Vec3> vertices_room) {
   std::size_t face = 0;
   while (face < faces_.size() && faces_[face].count != 0) ++face;
   const uint32_t first = face == 0 ? 0 : faces_[face - 1].first + faces_[face - 1].count;
+  if (first + vertices_room.size() > edges_.size()) {
+    static_assert(kMaxEdges == 512);
+    return {StatusCode::kCapacity, "scan: the planes have more than 512 edges together, leave planes out of the map"};
+  }
   faces_[face] = {normal_room, d_m, first, static_cast<uint32_t>(vertices_room.size()), 0, 0};
   for (std::size_t i = 0; i < vertices_room.size(); ++i) {
     const Vec3& a = vertices_room[i];
@@ -112,8 +119,8 @@ Result<Surface> Surface::build(const map::RoomMap& map, const SurfaceOptions& op
   }
   Surface surface;
   surface.faces_ = permanent.allocate<Face>(count);
-  surface.vertices_ = permanent.allocate<Vec3>(count * kMaxFaceEdges);
-  surface.edges_ = permanent.allocate<FaceEdge>(count * kMaxFaceEdges);
+  surface.vertices_ = permanent.allocate<Vec3>(edge_capacity(count));
+  surface.edges_ = permanent.allocate<FaceEdge>(edge_capacity(count));
   surface.prints_ = permanent.allocate<Print>(map.marker_count());
   if (surface.edges_.empty() || surface.prints_.size() != map.marker_count()) {
     return out_of_arena("scan: permanent arena too small for the surface");
@@ -147,8 +154,8 @@ Result<Surface> Surface::from_polygons(std::span<const Polygon> polygons, std::s
   if (polygons.size() > kMaxFaces) return Status{StatusCode::kCapacity, "scan: too many polygons"};
   Surface surface;
   surface.faces_ = permanent.allocate<Face>(polygons.size());
-  surface.vertices_ = permanent.allocate<Vec3>(polygons.size() * kMaxFaceEdges);
-  surface.edges_ = permanent.allocate<FaceEdge>(polygons.size() * kMaxFaceEdges);
+  surface.vertices_ = permanent.allocate<Vec3>(edge_capacity(polygons.size()));
+  surface.edges_ = permanent.allocate<FaceEdge>(edge_capacity(polygons.size()));
   surface.prints_ = permanent.allocate<Print>(prints.size());
   if (surface.edges_.empty() || surface.prints_.size() != prints.size()) {
     return out_of_arena("scan: permanent arena too small for the surface");

@@ -13,6 +13,7 @@ namespace roomcal::scan {
 
 inline constexpr std::size_t kMaxFaces = 64;
 inline constexpr std::size_t kMaxFaceEdges = 32;
+inline constexpr std::size_t kMaxEdges = 512;  ///< of all faces together
 
 /// A planar piece of the room: normal_room . p + d_m = 0, free space in front, a convex outline.
 struct Face {
@@ -57,7 +58,7 @@ class Surface {
   /// From the map's planes. Outlines are grown from the markers (from the map's outline where a plane has no marker) to
   /// the lines where planes meet: outlines through marker centres alone would leave a rim of 0.2 to 0.5 m unknown at
   /// every edge of the room. Markers with a radius become prints.
-  /// @return kTooFew (no plane), kCapacity (more than kMaxFaces planes), kOutOfMemory.
+  /// @return kTooFew (no plane), kCapacity (more than kMaxFaces planes, or kMaxEdges edges), kOutOfMemory.
   /// Cost: planes^2 x outline.
   static Result<Surface> build(const map::RoomMap& map, const SurfaceOptions& options, Arena& permanent,
                                Arena& scratch);

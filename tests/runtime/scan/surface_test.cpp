@@ -1,6 +1,7 @@
 #include "runtime/scan/surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -78,6 +79,20 @@ TEST(FromPolygons, PolygonsThatAreNone_AreRefused) {
   }
   Arena arena{bytes};
   EXPECT_EQ(Surface::from_polygons({}, {}, arena).status().code(), StatusCode::kTooFew);
+}
+
+TEST(FromPolygons, TooManyEdgesTogether_AreRefused) {
+  std::vector<Vec3> round;
+  for (std::size_t i = 0; i < kMaxFaceEdges; ++i) {
+    const double turn = 2 * kPi * static_cast<double>(i) / static_cast<double>(kMaxFaceEdges);
+    round.emplace_back(std::cos(turn), std::sin(turn), 0);
+  }
+  const std::vector<Polygon> polygons(kMaxEdges / kMaxFaceEdges + 1, Polygon{round});
+  std::vector<std::byte> bytes(Surface::bytes(polygons.size(), 0));
+  Arena arena{bytes};
+  EXPECT_EQ(Surface::from_polygons(polygons, {}, arena).status().code(), StatusCode::kCapacity);
+  Arena again{bytes};
+  EXPECT_TRUE(Surface::from_polygons(std::span(polygons).first(polygons.size() - 1), {}, again).ok());
 }
 
 TEST(Surface, PrintsBetween_AreThoseOfTheInterval) {
