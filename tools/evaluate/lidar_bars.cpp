@@ -54,6 +54,10 @@ double quantile(std::vector<double> values, double share) {
 }
 double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
+std::string times(const LidarCell& cell) {
+  return fmt::format("median {:.1f} ms, 99 % below {:.1f} ms", median(cell.ms), quantile(cell.ms, 0.99));
+}
+
 }  // namespace
 
 const char* to_string(LidarAid aid) {
@@ -150,7 +154,7 @@ std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells) {
   const int missed = with.missed + prints.missed + without.missed;
   const double success = 100.0 * with.found / std::max(1, with.observable);
   const double tolerance = 6 * 4 * std::sqrt(2.0 / (6.0 * std::max(1, with.found)));
-  const double median_ms = median(with.ms);
+  const double slowest_ms = std::max({median(with.ms), median(prints.ms), median(without.ms)});
   return {
       {"observable poses located >= 99.5 %", fmt::format("{:.2f} % ({} of {})", success, with.found, with.observable),
        success >= 99.5},
@@ -174,7 +178,8 @@ std::vector<Bar> judge_lidar(const std::vector<LidarCell>& cells) {
       {"mean NEES 6 within four sigmas", fmt::format("{:.2f} +- {:.2f}", with.mean_nees(), tolerance),
        std::abs(with.mean_nees() - 6) <= tolerance},
       {"one sweep of 28,800 points in <= 15 ms on one core",
-       fmt::format("median {:.1f} ms, 99 % below {:.1f} ms", median_ms, quantile(with.ms, 0.99)), median_ms <= 15},
+       fmt::format("{} with prior; {} with prints; {} without prior", times(with), times(prints), times(without)),
+       slowest_ms <= 15},
       {"<= 1 MiB beyond the sweep",
        fmt::format("{} KiB", (scan::locate_scratch_bytes() + sizeof(scan::Location)) / 1024),
        scan::locate_scratch_bytes() + sizeof(scan::Location) <= (1U << 20)}};

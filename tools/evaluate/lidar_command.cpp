@@ -22,7 +22,7 @@ constexpr const char* kGicp = "gicp";
 struct Arguments {
   std::string json_file;
   std::string method = kDirect;
-  int poses = 333;
+  int poses = 334;
   LidarSeeds seeds;
 };
 

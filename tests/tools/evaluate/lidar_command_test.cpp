@@ -85,8 +85,8 @@ LidarCell cell_with(LidarAid aid) {
   return cell;
 }
 
-bool all_met(const LidarCell& with_prior) {
-  for (const Bar& bar : judge_lidar({with_prior, cell_with(LidarAid::kPriorAndPrints), cell_with(LidarAid::kPrints)})) {
+bool all_met(const LidarCell& with_prior, const LidarCell& without = cell_with(LidarAid::kPrints)) {
+  for (const Bar& bar : judge_lidar({with_prior, cell_with(LidarAid::kPriorAndPrints), without})) {
     if (!bar.met) return false;
   }
   return true;
@@ -116,6 +116,9 @@ TEST(JudgeLidar, EachFigureBeyondItsBar_IsNotMet) {
   bad = good;
   bad.ms = {16};
   EXPECT_FALSE(all_met(bad));
+  bad = cell_with(LidarAid::kPrints);
+  bad.ms = {16};
+  EXPECT_FALSE(all_met(good, bad));
 }
 
 }  // namespace
