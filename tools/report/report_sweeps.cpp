@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "runtime/calib/lidar_models.h"
+#include "runtime/scan/ray_block.h"
 #include "runtime/scan/ray_cast.h"
 #include "runtime/scan/sweep_view.h"
 #include "tools/common/error.h"
@@ -39,10 +40,13 @@ class RoomSurface {
   scan::Surface surface_;
 };
 
+constexpr int kNone = -1;
+
 struct Residual {
-  int face = scan::kNoFace;
+  int face = kNone;
   double m = 0;
 };
+using Residuals = std::array<Residual, scan::kBlockRays>;
 
 /// Rays of one LiDAR against the room.
 class Prediction {
@@ -55,11 +59,19 @@ class Prediction {
   }
 
   bool known() const { return room_ != nullptr; }
-  Residual of(const scan::Ray& ray) const {
-    if (!known()) return {};
-    const scan::RayHit hit = posed_->first_hit(ray.direction_lidar);
-    if (hit.face == scan::kNoFace) return {};
-    return {hit.face, ray.range_m - sensor_.lidar->beam_offset_m[ray.beam] - hit.range_m};
+  /// Of each ray that meets a face from its front.
+  Residuals of(const scan::RayBlock& block) const {
+    Residuals residuals;
+    if (!known()) return residuals;
+    scan::BlockHits hits;
+    posed_->cast(block, hits);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const auto face = static_cast<std::size_t>(hits.face[i]);
+      if (posed_->height_m()[face] <= 0) continue;  // nothing, or a back that no sensor in the room sees
+      const double told_m = static_cast<double>(block.range_m[i]) - sensor_.lidar->beam_offset_m[block.beam[i]];
+      residuals[i] = {hits.face[i], told_m - 1 / static_cast<double>(hits.inverse_m[i])};
+    }
+    return residuals;
   }
   Json normals() const {
     Json normals = Json::array();
@@ -79,7 +91,7 @@ class Histogram {
   explicit Histogram(double sigma_m) : low_m_(-kReachSigmas * sigma_m), step_m_(-2 * low_m_ / kBins) {}
   void add(const Residual& residual) {
     const double bin = std::floor((residual.m - low_m_) / step_m_);
-    if (residual.face == scan::kNoFace || bin < 0 || bin >= kBins)
+    if (residual.face == kNone || bin < 0 || bin >= kBins)
       ++outside_;
     else
       ++counts_[static_cast<std::size_t>(bin)];
@@ -100,9 +112,13 @@ std::vector<lidar::Sweep> views_of(const std::vector<LoadedSweep>& sweeps, std::
   return views;
 }
 
+Vec3 point_lidar(const scan::RayBlock& block, std::size_t i) {
+  return static_cast<double>(block.range_m[i]) * block.direction_lidar(i);
+}
+
 void add_point(const Vec3& p_room, const Residual& residual, Json& out) {
   for (const double v : {p_room.x(), p_room.y(), p_room.z()}) out["points_mm"].push_back(std::lround(1e3 * v));
-  const bool meets = residual.face != scan::kNoFace;
+  const bool meets = residual.face != kNone;
   out["residual_mm"].push_back(meets ? Json(std::round(1e4 * residual.m) / 10) : Json());
   out["face"].push_back(residual.face);
 }
@@ -124,11 +140,12 @@ Json sweep_json(const LocatedSweeps& located, const map::RoomMap* map, std::size
               {"face", Json::array()}};
   std::size_t points = 0;
   const std::size_t stride = scan::fair_stride(scan::stride_for(all, wanted));
-  scan::for_each_ray(all, ranges, 1, [&](const scan::Ray& ray) {
-    const Residual residual = prediction.of(ray);
-    histogram.add(residual);
-    if (points++ % stride == 0)
-      add_point(*located.sensor->T_room_sensor * (ray.range_m * ray.direction_lidar), residual, out);
+  scan::for_each_block(all, ranges, 1, [&](const scan::RayBlock& block) {
+    const Residuals residuals = prediction.of(block);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      histogram.add(residuals[i]);
+      if (points++ % stride == 0) add_point(*located.sensor->T_room_sensor * point_lidar(block, i), residuals[i], out);
+    }
   });
   out["points"] = points;
   if (prediction.known()) out["histogram"] = histogram.json();
@@ -141,12 +158,14 @@ Json projection_json(const SensorResult& camera, const LocatedSweeps& located, s
   const SE3 T_cam_lidar = camera.T_room_sensor->inverse() * *located.sensor->T_room_sensor;
   const std::vector<lidar::Sweep> views = views_of(*located.sweeps, 1);
   std::vector<Vec3> seen;  // u, v px, distance m
-  scan::for_each_ray({views}, ranges, 1, [&](const scan::Ray& ray) {
-    const Vec3 p_cam = T_cam_lidar * (ray.range_m * ray.direction_lidar);
-    Vec2 px;
-    if (!camera.camera->project(p_cam, px).ok()) return;
-    if (px.x() < -0.5 || px.y() < -0.5 || px.x() > k.width_px - 0.5 || px.y() > k.height_px - 0.5) return;
-    seen.emplace_back(px.x(), px.y(), p_cam.norm());
+  scan::for_each_block({views}, ranges, 1, [&](const scan::RayBlock& block) {
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const Vec3 p_cam = T_cam_lidar * point_lidar(block, i);
+      Vec2 px;
+      if (!camera.camera->project(p_cam, px).ok()) continue;
+      if (px.x() < -0.5 || px.y() < -0.5 || px.x() > k.width_px - 0.5 || px.y() > k.height_px - 0.5) continue;
+      seen.emplace_back(px.x(), px.y(), p_cam.norm());
+    }
   });
   Json out = Json::array();
   const std::size_t stride = scan::fair_stride(seen.size() / std::max<std::size_t>(1, wanted));
