@@ -15,6 +15,7 @@
 #include "tests/drivers/can/vehicle.h"
 #include "tests/drivers/cia402/servo_bench.h"
 #include "tests/fakes/fake_can_kernel.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/fakes/fake_can_bus.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers {
 namespace {

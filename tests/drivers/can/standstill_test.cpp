@@ -9,6 +9,7 @@
 
 #include "tests/drivers/can/vehicle.h"
 #include "tests/fakes/fake_can_bus.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers {
 namespace {

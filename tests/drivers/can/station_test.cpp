@@ -6,6 +6,7 @@
 
 #include "drivers/can/protection.h"
 #include "tests/fakes/fake_can_bus.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/fakes/fake_can_bus.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers::cia402 {
 namespace {

@@ -6,6 +6,7 @@
 #include "drivers/can/dispatcher.h"
 #include "drivers/cia402/servo.h"
 #include "tests/fakes/fake_servo_drive.h"
+#include "tests/fakes/manual_clocks.h"
 
 namespace roomcal::drivers::cia402::test {
 
