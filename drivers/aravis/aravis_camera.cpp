@@ -24,7 +24,6 @@ namespace {
 constexpr int64_t kPtpEveryNs = 2'000'000'000;
 constexpr int64_t kBurialWaitNs = 10'000'000'000;
 constexpr std::size_t kPage = 4096;
-constexpr int64_t kReadoutNs = 50'000'000;  // and the way of the first packet
 constexpr int kStreamPriority = 10;
 
 // Packets wait in a socket for this thread only. Without the right to it, it stays an ordinary one.

@@ -8,7 +8,6 @@ namespace roomcal::drivers {
 
 namespace {
 
-constexpr int64_t kReadoutNs = 50'000'000;  // and transfer of the first packet, at most
 constexpr int64_t kLongestWayNs = 10'000'000'000;
 constexpr int64_t kTaiNs = 37'000'000'000;  // TAI - UTC since 2017, IERS Bulletin C
 constexpr int64_t kSameClockNs = 1'000'000'000;

@@ -9,6 +9,8 @@
 
 namespace roomcal::drivers {
 
+inline constexpr int64_t kReadoutNs = 50'000'000;  ///< and the way of the first packet, at most
+
 /// What is known of a camera's clock when an image comes.
 struct StampContext {
   bool ticks_known = false;  ///< else Aravis puts the host's clock where the camera's should be

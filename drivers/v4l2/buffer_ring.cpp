@@ -4,16 +4,13 @@
 #include <cerrno>
 
 #include "drivers/os/time_ns.h"
+#include "drivers/v4l2/caps.h"
 
 namespace roomcal::drivers {
 
 using ports::ImageFault;
 
 namespace {
-
-uint32_t buffer_type(bool multiplanar) {
-  return multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
-}
 
 Stamp stamp_of(const v4l2_buffer& buffer) {
   const bool monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <linux/videodev2.h>
+
 #include "drivers/v4l2/handle.h"
 #include "runtime/base/fixed_text.h"
 
@@ -16,6 +18,11 @@ struct CameraCaps {
 /// The node's own capabilities count, where its driver tells them apart from the whole device's: metadata nodes look
 /// like cameras otherwise.
 Trouble query_caps(const V4l2Handle& handle, CameraCaps& caps);
+
+/// Whose buffers a camera of this kind delivers into.
+constexpr uint32_t buffer_type(bool multiplanar) {
+  return multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+}
 
 /// A kernel's text field: up to its first 0, or all of it.
 template <std::size_t kSize>

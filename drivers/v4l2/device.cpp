@@ -76,13 +76,13 @@ void V4l2Device::listen() {
 
 Trouble V4l2Device::stream_on() {
   ROOMCAL_TRY_CALL(ring_.queue_all());
-  int type = multiplanar_ ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  auto type = static_cast<int>(buffer_type(multiplanar_));
   return handle_.call(V4l2Call::kStreamOn, VIDIOC_STREAMON, type);
 }
 
 // What it says does not matter: a driver that cannot stop shows it when it is to start.
 void V4l2Device::stream_off() {
-  int type = multiplanar_ ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  auto type = static_cast<int>(buffer_type(multiplanar_));
   static_cast<void>(handle_.call(V4l2Call::kStreamOn, VIDIOC_STREAMOFF, type));
   ring_.take_back();
 }

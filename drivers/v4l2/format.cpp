@@ -3,6 +3,7 @@
 #include <array>
 
 #include "drivers/image/mjpeg.h"
+#include "drivers/v4l2/caps.h"
 
 namespace roomcal::drivers {
 
@@ -52,7 +53,7 @@ CaptureFormat read(uint32_t fourcc, uint32_t field, uint32_t width, uint32_t hei
 }  // namespace
 
 FormatCall::FormatCall(bool multiplanar) : raw_(zeroed<v4l2_format>()) {
-  raw_.type = multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  raw_.type = buffer_type(multiplanar);
 }
 
 Trouble FormatCall::get(const V4l2Handle& handle) { return handle.call(V4l2Call::kSetFormat, VIDIOC_G_FMT, raw_); }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "drivers/v4l2/caps.h"
+
 namespace roomcal::drivers {
 
 using ports::ImageFault;
@@ -9,10 +11,6 @@ using ports::ImageFault;
 namespace {
 
 constexpr int64_t kSecondNs = 1'000'000'000;
-
-uint32_t buffer_type(bool multiplanar) {
-  return multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
-}
 
 int64_t to_ns(const v4l2_fract& period) {
   return period.denominator == 0 ? 0 : period.numerator * kSecondNs / period.denominator;
