@@ -52,9 +52,7 @@ CaptureFormat read(uint32_t fourcc, uint32_t field, uint32_t width, uint32_t hei
 
 }  // namespace
 
-FormatCall::FormatCall(bool multiplanar) : raw_(zeroed<v4l2_format>()) {
-  raw_.type = buffer_type(multiplanar);
-}
+FormatCall::FormatCall(bool multiplanar) : raw_(zeroed<v4l2_format>()) { raw_.type = buffer_type(multiplanar); }
 
 Trouble FormatCall::get(const V4l2Handle& handle) { return handle.call(V4l2Call::kSetFormat, VIDIOC_G_FMT, raw_); }
 Trouble FormatCall::set(const V4l2Handle& handle) { return handle.call(V4l2Call::kSetFormat, VIDIOC_S_FMT, raw_); }
