@@ -120,9 +120,18 @@ def story(board, truth):
     undone = board.data("undo")
     expect(undone["store"] == "FACTORY" or undone["content_generation"] == 0, f"undo: {undone}")
     board.press(0.2)  # takes the offer
-    time.sleep(0.5)
-    records = board.data("history")["records"]
+    records = wait_for(lambda: board.data("history")["records"], lambda r: r[0]["action"] == "factory-restored")
     expect(records[0]["action"] == "factory-restored", f"restored: {records[0]}")
+
+
+def wait_for(read, holds, timeout=20):
+    """What read() says once holds() is true of it, or at last."""
+    end = time.monotonic() + timeout
+    said = read()
+    while not holds(said) and time.monotonic() < end:
+        time.sleep(0.1)
+        said = read()
+    return said
 
 
 def press_during_a_run(board):
@@ -158,7 +167,7 @@ def flood(board, truth):
     while time.monotonic() < quiet:  # a reader that does not read loses answers, as it should
         board.read_some(0.1)
     board.text = b""
-    result = board.data("result")
+    result = wait_for(lambda: board.data("result"), lambda r: r["kind"] == "calibrate")
     expect(result["kind"] == "calibrate" and result["stored"], f"during the flood: {result}")
     check_against_truth(result, truth)
 
