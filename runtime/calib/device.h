@@ -13,8 +13,9 @@
 
 namespace roomcal::calib {
 
-inline constexpr std::size_t kMaxCameras = rig::kMaxViews;
-inline constexpr std::size_t kMaxLidars = rig::kMaxLidars;
+inline constexpr std::size_t kMaxCameras = 8;
+inline constexpr std::size_t kMaxLidars = 4;
+static_assert(kMaxCameras <= rig::kMaxViews && kMaxLidars <= rig::kMaxLidars);
 inline constexpr std::size_t kMaxSensors = kMaxCameras + kMaxLidars;
 /// Sweeps of one LiDAR that are joined; those beyond are left out and reported.
 inline constexpr std::size_t kMaxSweeps = 32;

@@ -13,9 +13,10 @@
 
 namespace roomcal::rig {
 
-/// Most cameras and LiDARs in one problem; the reduced system is dense, 6 x 6 blocks for every pair.
-inline constexpr std::size_t kMaxViews = 8;
-inline constexpr std::size_t kMaxLidars = 4;
+/// Most views and sweeps in one problem, which a host may make of several shots; the reduced system is dense, 6 x 6
+/// blocks for every pair.
+inline constexpr std::size_t kMaxViews = 64;
+inline constexpr std::size_t kMaxLidars = 32;
 
 inline constexpr uint16_t kNoPlane = 0xFFFF;
 
