@@ -10,6 +10,7 @@
 
 #include "tools/common/files.h"
 #include "tools/common/progress.h"
+#include "tools/evaluate/trust_join.h"
 #include "tools/evaluate/trust_map_noise.h"
 #include "tools/evaluate/trust_trial.h"
 
@@ -27,6 +28,7 @@ struct Arguments {
   bool traps = true;
   TrustOptions options;
   std::vector<double> map_noise_mm;
+  std::size_t join = 0;
   std::string json_file;
 };
 
@@ -111,6 +113,50 @@ bool print_and_judge(const Report& report, json& out) {
   return good;
 }
 
+/// @return whether NEES of every kind of pair stays in its band.
+bool print_pairs(const PairTallies& pairs, int shots, json& out) {
+  bool good = true;
+  for (const PairKind kind : kPairKinds) {
+    const PairTally& pair = pairs[static_cast<std::size_t>(kind)];
+    // The band of as many values as there are shots: pairs of one shot share their sensors and their map.
+    const double z = deviate(kPairKinds.size()), low = nees_quantile(static_cast<std::size_t>(shots), -z),
+                 high = nees_quantile(static_cast<std::size_t>(shots), z), nees = mean(pair.nees);
+    const bool inside = nees > low && nees < high;
+    fmt::print("  {:<14} NEES {:6.3f} in [{:.3f}, {:.3f}]{}  RMS {:.3f} mm {:.4f} deg, said {:.3f} mm {:.4f} deg\n",
+               to_string(kind), nees, low, high, inside ? "" : "  OUTSIDE", 1e3 * pair.rms_m(),
+               rad_to_deg(pair.rms_rad()), 1e3 * pair.sigma_m(), rad_to_deg(pair.sigma_rad()));
+    out[to_string(kind)] = {
+        {"nees", nees}, {"low", low}, {"high", high}, {"rms_m", pair.rms_m()}, {"sigma_m", pair.sigma_m()}};
+    good = good && inside;
+  }
+  return good;
+}
+
+/// What joining shots makes of pairs, and whether a sensor that moved between them is found out.
+bool measure_join(const Arguments& arguments, json& out) {
+  std::vector<TrustRoom> rooms;
+  for (uint64_t seed = 1; seed <= kRooms; ++seed) rooms.emplace_back(seed);
+  Progress progress("joined", static_cast<std::size_t>(arguments.shots));
+  JoinTally tally;
+  tally.shots_each = arguments.join;
+  tally.map_sigma_m = arguments.map_noise_mm.empty() ? 0 : 1e-3 * arguments.map_noise_mm.front();
+  for (int i = 0; i < arguments.shots; ++i) {
+    run_join_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, arguments.options, tally);
+    progress.step();
+  }
+  fmt::print("one shot: {} of {} pass\n", tally.alone_passed, tally.trials);
+  print_pairs(tally.alone, tally.trials, out["alone"]);
+  fmt::print("{} shots joined: {} of {} pass\n", tally.shots_each, tally.joined_passed, tally.trials);
+  const bool honest = print_pairs(tally.joined, tally.trials, out["joined"]);
+  fmt::print("a sensor moved before the last shot: {} of {} refused, {} name it; false alarms where none moved: {}\n",
+             tally.refused, tally.moved, tally.named, tally.false_alarms);
+  out["moved"] = {{"trials", tally.moved},
+                  {"refused", tally.refused},
+                  {"named", tally.named},
+                  {"false_alarms", tally.false_alarms}};
+  return honest && tally.false_alarms <= kFalseAlarmBar * tally.trials;
+}
+
 /// What noise of the map makes of pairs, and whether they say so. @return whether NEES stays in its band.
 bool measure_map_noise(const Arguments& arguments, json& out) {
   std::vector<TrustRoom> rooms;
@@ -125,19 +171,8 @@ bool measure_map_noise(const Arguments& arguments, json& out) {
       progress.step();
     }
     fmt::print("map noise {} mm: {} of {} shots pass\n", noise_mm, tally.passed, tally.shots);
-    for (const PairKind kind : kPairKinds) {
-      const PairTally& pair = tally.pairs[static_cast<std::size_t>(kind)];
-      // The band of as many values as there are shots: pairs of one shot share their sensors and their map.
-      const double z = deviate(kPairKinds.size()), low = nees_quantile(static_cast<std::size_t>(tally.shots), -z),
-                   high = nees_quantile(static_cast<std::size_t>(tally.shots), z), nees = mean(pair.nees);
-      const bool inside = nees > low && nees < high;
-      fmt::print("  {:<14} NEES {:6.3f} in [{:.3f}, {:.3f}]{}  RMS {:.3f} mm {:.4f} deg, said {:.3f} mm {:.4f} deg\n",
-                 to_string(kind), nees, low, high, inside ? "" : "  OUTSIDE", 1e3 * pair.rms_m(),
-                 rad_to_deg(pair.rms_rad()), 1e3 * pair.sigma_m(), rad_to_deg(pair.sigma_rad()));
-      out["map_noise"][fmt::format("{}", noise_mm)][to_string(kind)] = {
-          {"nees", nees}, {"low", low}, {"high", high}, {"rms_m", pair.rms_m()}, {"sigma_m", pair.sigma_m()}};
-      good = good && inside;
-    }
+    json& node = out["map_noise"][fmt::format("{}", noise_mm)];
+    good = print_pairs(tally.pairs, tally.shots, node) && good;
   }
   return good;
 }
@@ -154,12 +189,14 @@ void add_evaluate_trust(CLI::App& app, int& exit_code) {
                     "lenses off by a draw from their prior, refined along");
   command->add_option("--map-noise", arguments->map_noise_mm, "only: pairs with maps of this noise, mm, that say so")
       ->check(CLI::Range(0.0, 50.0));
+  command->add_option("--join", arguments->join, "only: as many shots of each device, joined")->check(CLI::Range(2, 8));
   command->add_flag("!--no-traps", arguments->traps, "leave the traps out");
   command->add_option("--json", arguments->json_file, "write the figures to this file");
   command->callback([arguments, &exit_code] {
     json out;
-    const bool good = arguments->map_noise_mm.empty() ? print_and_judge(measure(*arguments), out)
-                                                      : measure_map_noise(*arguments, out);
+    const bool good = arguments->join > 0               ? measure_join(*arguments, out)
+                      : arguments->map_noise_mm.empty() ? print_and_judge(measure(*arguments), out)
+                                                        : measure_map_noise(*arguments, out);
     if (!arguments->json_file.empty()) write_atomic(arguments->json_file, out.dump(1) + "\n");
     exit_code = good ? 0 : 2;
   });

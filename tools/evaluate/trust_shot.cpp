@@ -142,7 +142,8 @@ TrustSession::TrustSession(const calib::Device& device, const MapData& data)
       plan_(calib::plan_memory(device, map_.map)),
       block_(plan_.total_bytes()),
       arenas_(std::move(Arenas::carve(block_, plan_.permanent_bytes, plan_.scratch_bytes)).value()),
-      index_(map::TriangleIndex::build(map_.map, arenas_.permanent).value()) {
+      index_(map::TriangleIndex::build(map_.map, arenas_.permanent).value()),
+      session_{.device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_} {
   const Result<scan::Surface> surface = scan::Surface::build(map_.map, {}, arenas_.permanent, arenas_.scratch);
   require(surface.status(), "simulated room");
   surface_ = surface.value();

@@ -75,12 +75,16 @@ class TrustShotView {
 class TrustSession {
  public:
   TrustSession(const calib::Device& device, const MapData& map);
+  TrustSession(const TrustSession&) = delete;  // its session refers to its members
+  TrustSession& operator=(const TrustSession&) = delete;
 
   const calib::Outcome& run(TrustShot& shot, const store::Record* installed);
   /// calibrate() and nothing else: no heap call.
   Status calibrate(const calib::DetectedShot& shot, const store::Record* installed,
                    calib::Observer* observer = nullptr);
   const calib::Outcome& outcome() const { return *outcome_; }
+  /// What shots are calibrated with.
+  const calib::Session& session() const { return session_; }
   const map::RoomMap& map() const { return map_.map; }
   calib::Session session(const store::Record* installed) const;
 
@@ -92,6 +96,7 @@ class TrustSession {
   Arenas arenas_;
   map::TriangleIndex index_;
   scan::Surface surface_;
+  calib::Session session_;
   std::unique_ptr<calib::Outcome> outcome_ = std::make_unique<calib::Outcome>();
 };
 
