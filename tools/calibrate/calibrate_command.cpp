@@ -24,9 +24,12 @@
 #include "tools/device/device_yaml.h"
 #include "tools/export/record_file.h"
 #include "tools/export/result_json.h"
+#include "tools/join/join_shots.h"
 #include "tools/map/map_builder.h"
 
 namespace roomcal::tools {
+
+using nlohmann::json;
 
 namespace {
 
@@ -35,7 +38,7 @@ constexpr const char* kFirmware = "roomcal host";
 struct Options {
   std::string map_file;
   std::string device_file;
-  std::string shot_folder;
+  std::vector<std::string> shot_folders;
   std::string json_file;
   std::string draw_folder;
   std::string truth_file;
@@ -88,12 +91,14 @@ struct Run {
   const ShotFolder& shot;
   const calib::Outcome& outcome;
   std::size_t arena_peak_bytes;
+  json joined;  ///< null for a single shot
 };
 
 void write_result(const Run& run) {
   const ResultContext context{run.description.name, run.description.serial, kFirmware,
                               now_unix_s(),         run.shot.sweep_files,   run.arena_peak_bytes};
-  nlohmann::json result = to_json(run.outcome, run.session.device, run.session.map, context);
+  json result = to_json(run.outcome, run.session.device, run.session.map, context);
+  if (!run.joined.is_null()) result["joined"] = run.joined;
   if (run.options.detail) add_detail(run.session, run.outcome, result);
   write_atomic(run.options.json_file, result.dump(1) + "\n");
 }
@@ -106,7 +111,8 @@ void report(const Run& run) {
   if (!options.json_file.empty()) write_result(run);
   if (!options.record_file.empty() && !options.dry_run)
     write_as_device(run.outcome, run.session.device, run.session.map, options.record_file);
-  if (!options.draw_folder.empty()) draw_outcome(run.outcome, run.session.map, run.shot, options.draw_folder);
+  if (!options.draw_folder.empty() && options.shot_folders.size() == 1)
+    draw_outcome(run.outcome, run.session.map, run.shot, options.draw_folder);
 }
 
 store::Record read_installed(const std::string& file) {
@@ -140,13 +146,49 @@ class ArmedDevice {
   scan::Surface surface_;
 };
 
+void calibrate_one(const std::string& folder_name, const calib::Session& session, const ShotFolder& folder,
+                   ArmedDevice& armed, calib::Outcome& outcome) {
+  const ShotView shot(folder);
+  require(calib::calibrate(session, shot.shot(), SteadyClock(), armed.arenas(), outcome), folder_name);
+}
+
+/// Of several shots, what the result names.
+struct Joined {
+  ShotFolder first;  ///< without images and sweeps
+  json shots = json::array();
+  double agree_p_value = 1;
+};
+
+/// Shot by shot, each with the whole step arena to itself, then all together.
+const calib::Outcome& calibrate_joined(const Options& options, const Device& description, const calib::Session& session,
+                                       ArmedDevice& armed, ShotJoiner& joiner, Joined& files) {
+  if (options.detail) throw ToolError("--detail looks into one shot: give one --shot, or leave it out");
+  const auto outcome = std::make_unique<calib::Outcome>();
+  for (const std::string& name : options.shot_folders) {
+    ShotFolder folder = read_shot(name, description, options.sweeps);
+    const Arena::Scope scope(armed.arenas().step);
+    calibrate_one(name, session, folder, armed, *outcome);
+    joiner.add(name, *outcome);
+    for (const std::string& trouble : folder.troubles) fmt::print(stderr, "roomcal: {}: {}\n", name, trouble);
+    fmt::print("{}: {}\n", name, calib::to_string(outcome->verdict));
+    for (const Reason& reason : outcome->reasons) fmt::print("  {}\n", reason.view());
+    if (!options.draw_folder.empty())
+      draw_outcome(*outcome, session.map, folder,
+                   std::filesystem::path(options.draw_folder) / fmt::format("shot{}", joiner.shots() - 1));
+    if (files.first.sweep_files.empty()) files.first.sweep_files = folder.sweep_files;
+    files.shots.push_back({{"folder", name}, {"verdict", calib::to_string(outcome->verdict)}});
+  }
+  const calib::Outcome& joined = joiner.join();
+  files.agree_p_value = joiner.p_value();
+  fmt::print("{} shots joined, p {:.2g} that they agree:\n", joiner.shots(), joiner.p_value());
+  return joined;
+}
+
 Finished run(const Options& options) {
   const LoadedMap loaded = load_map(options.map_file);
   const Device description = read_device(options.device_file);
   const auto device = std::make_unique<calib::Device>(to_runtime(description, options.device_file));
   device->refine_intrinsics = options.refine_intrinsics;
-  const ShotFolder folder = read_shot(options.shot_folder, description, options.sweeps);
-  const ShotView shot(folder);
   std::unique_ptr<store::Record> installed;
   if (!options.installed_file.empty())
     installed = std::make_unique<store::Record>(read_installed(options.installed_file));
@@ -154,16 +196,29 @@ Finished run(const Options& options) {
   ArmedDevice armed(*device, loaded.map, options.map_file);
   calib::Session session = armed.session(*device, loaded.map, description.limits);
   session.installed = installed.get();
+  const auto finish = [&](const ShotFolder& files, const calib::Outcome& outcome, const json& joined) -> Finished {
+    report({options, description, session, files, outcome, armed.arenas().peak(), joined});
+    return {outcome.verdict, outcome.installed.done && !outcome.installed.moved};
+  };
+  if (options.shot_folders.size() > 1) {
+    ShotJoiner joiner(session);
+    Joined files;
+    const calib::Outcome& joined = calibrate_joined(options, description, session, armed, joiner, files);
+    return finish(files.first, joined, {{"shots", files.shots}, {"agree_p_value", files.agree_p_value}});
+  }
+  const ShotFolder folder = read_shot(options.shot_folders[0], description, options.sweeps);
   const auto outcome = std::make_unique<calib::Outcome>();
-  require(calib::calibrate(session, shot.shot(), SteadyClock(), armed.arenas(), *outcome), options.shot_folder);
-  report({options, description, session, folder, *outcome, armed.arenas().peak()});
-  return {outcome->verdict, outcome->installed.done && !outcome->installed.moved};
+  calibrate_one(options.shot_folders[0], session, folder, armed, *outcome);
+  return finish(folder, *outcome, nullptr);
 }
 
 void add_common_options(CLI::App& command, Options& options) {
   command.add_option("--map", options.map_file, "baked room (*.room)")->required();
   command.add_option("--device", options.device_file, "device.yaml")->required();
-  command.add_option("--shot", options.shot_folder, "folder with an image per camera and a sweep file per LiDAR")
+  command
+      .add_option(
+          "--shot", options.shot_folders,
+          "folder with an image per camera and a sweep file per LiDAR; several, from several places, are joined")
       ->required();
   command.add_option("--sweeps", options.sweeps, "sweeps of each LiDAR that take part; 0: all that are there")
       ->capture_default_str();
@@ -179,7 +234,8 @@ void add_common_options(CLI::App& command, Options& options) {
 
 void add_calibrate_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("calibrate", "one shot of images and sweeps in, judged extrinsics out");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "a shot of images and sweeps in (or several), judged extrinsics out");
   add_common_options(*command, *options);
   command->add_option("--record", options->record_file,
                       "write the record that a device would store, if the verdict lets it");
