@@ -8,6 +8,7 @@
 #include "tools/device/import_command.h"
 #include "tools/evaluate/evaluate_command.h"
 #include "tools/export/export_command.h"
+#include "tools/imu/imu_command.h"
 #include "tools/map/map_command.h"
 #include "tools/plan/plan_command.h"
 #include "tools/provision/provision_command.h"
@@ -30,6 +31,7 @@ inline void add_commands(CLI::App& app, int& exit_code) {
   add_evaluate_command(app, exit_code);
   add_export_command(app, exit_code);
   add_import_command(app, exit_code);
+  add_imu_command(app, exit_code);
   add_map_command(app, exit_code);
   add_plan_command(app, exit_code);
   add_provision_command(app, exit_code);
