@@ -57,6 +57,20 @@ Status v4l2_options(const profile::CameraProfile& camera, drivers::V4l2Options& 
 }
 
 #if ROOMCAL_ARAVIS
+drivers::StampPoint to_driver(profile::StampPoint point) {
+  switch (point) {
+    case profile::StampPoint::kExposureStart:
+      return drivers::StampPoint::kExposureStart;
+    case profile::StampPoint::kExposureMiddle:
+      return drivers::StampPoint::kExposureMiddle;
+    case profile::StampPoint::kExposureEnd:
+      return drivers::StampPoint::kExposureEnd;
+    case profile::StampPoint::kUnknown:
+      break;
+  }
+  return drivers::StampPoint::kUnknown;
+}
+
 drivers::AravisOptions aravis_options(const profile::CameraProfile& camera, const profile::TriggerWiring& trigger) {
   const profile::CameraWiring& w = camera.wiring;
   drivers::AravisOptions options;
@@ -87,12 +101,27 @@ drivers::AravisOptions aravis_options(const profile::CameraProfile& camera, cons
   options.action_group_key = trigger.group_key;
   options.action_group_mask = trigger.group_mask;
   options.ptp = w.ptp ? drivers::PtpMode::kEnable : drivers::PtpMode::kLeave;
+  options.stamp_point = to_driver(w.stamp_point);
+  options.packet_size_bytes = w.packet_size_bytes;
+  if (w.packet_delay_us >= 0) options.packet_delay_ns = static_cast<int64_t>(1e3 * w.packet_delay_us);
   options.buffers = w.buffers;
   return options;
 }
 #endif
 
 #if ROOMCAL_LIBCAMERA
+drivers::LibcameraSync to_driver(profile::SyncRole role) {
+  switch (role) {
+    case profile::SyncRole::kServer:
+      return drivers::LibcameraSync::kServer;
+    case profile::SyncRole::kClient:
+      return drivers::LibcameraSync::kClient;
+    case profile::SyncRole::kNone:
+      break;
+  }
+  return drivers::LibcameraSync::kNone;
+}
+
 Status libcamera_options(const profile::CameraProfile& camera, drivers::LibcameraOptions& options) {
   const profile::CameraWiring& w = camera.wiring;
   ROOMCAL_TRY(take_formats(w, options.formats));
@@ -104,6 +133,8 @@ Status libcamera_options(const profile::CameraProfile& camera, drivers::Libcamer
   options.frame_rate_hz = w.rate_hz;
   options.exposure_us = static_cast<int32_t>(w.exposure_us);
   options.analogue_gain = static_cast<float>(std::max(w.gain, 0.0));
+  options.sync = to_driver(w.sync);
+  options.sync_frames = w.sync_frames;
   options.buffers = w.buffers;
   return ok_status();
 }

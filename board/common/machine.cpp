@@ -181,6 +181,7 @@ Status Machine::open_trigger(Reason& why) {
       options.device_key = w.device_key;
       options.group_key = w.group_key;
       options.group_mask = w.group_mask;
+      options.lead_ns = int64_t{w.lead_us} * 1'000;
       auto& trigger = trigger_.emplace<drivers::ActionTrigger>(options, clocks_, log_);
       sources_.trigger = &trigger;
       const Status opened = trigger.open();

@@ -23,6 +23,7 @@ enum class PtpMode : uint8_t {
 enum class StampPoint : uint8_t {
   kUnknown,  ///< anywhere in it: half the exposure of uncertainty
   kExposureStart,
+  kExposureMiddle,
   kExposureEnd,
 };
 

@@ -38,6 +38,8 @@ ImageStamp stamp_of(const AravisStamps& stamps, const StampContext& context, con
   switch (context.point) {
     case StampPoint::kExposureStart:
       return {{stamps.camera_ns, clock}, kTickNs, arrived_ns};
+    case StampPoint::kExposureMiddle:
+      return {{stamps.camera_ns - context.exposure_ns / 2, clock}, kTickNs, arrived_ns};
     case StampPoint::kExposureEnd:
       return {{stamps.camera_ns - context.exposure_ns, clock}, kTickNs, arrived_ns};
     case StampPoint::kUnknown:

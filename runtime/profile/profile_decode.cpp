@@ -35,11 +35,16 @@ bool take(const fbs::CameraWiring& stored, CameraWiring& out) {
   out.buffers = stored.buffers();
   out.ptp = stored.ptp();
   out.may_reset_port = stored.may_reset_port();
+  out.packet_size_bytes = stored.packet_size_bytes();
+  out.packet_delay_us = stored.packet_delay_us();
+  out.sync_frames = stored.sync_frames();
   if (stored.formats() != nullptr)
     for (const flatbuffers::String* format : *stored.formats())
       if (!out.formats.push_back({}) || !take_text(format, out.formats.back())) return false;
   return take_enum(stored.driver(), ImageDriver::kAravis, out.driver) && take_text(stored.key(), out.key) &&
          take_enum(stored.trigger(), TriggerMode::kAction, out.trigger) &&
+         take_enum(stored.stamp_point(), StampPoint::kExposureEnd, out.stamp_point) &&
+         take_enum(stored.sync(), SyncRole::kClient, out.sync) &&
          take_text(stored.trigger_name(), out.trigger_setting.name) &&
          take_text(stored.trigger_value(), out.trigger_setting.value);
 }
@@ -121,6 +126,7 @@ bool take_trigger(const fbs::Wiring& stored, TriggerWiring& out) {
   out.device_key = stored.trigger_device_key();
   out.group_key = stored.trigger_group_key();
   out.group_mask = stored.trigger_group_mask();
+  out.lead_us = stored.trigger_lead_us();
   return take_enum(stored.trigger_kind(), TriggerKind::kCan, out.kind) && take_text(stored.trigger_chip(), out.chip) &&
          take_text(stored.trigger_line(), out.line) && take_text(stored.trigger_address(), out.address);
 }

@@ -23,6 +23,20 @@ enum class TriggerMode : uint8_t {
   kAction,    ///< on a GigE Vision action command
 };
 
+/// Where in its exposure a camera takes the stamp of an image; the manual tells.
+enum class StampPoint : uint8_t {
+  kUnknown,  ///< anywhere in it: half the exposure of uncertainty
+  kExposureStart,
+  kExposureMiddle,
+  kExposureEnd,
+};
+/// A camera's part where libcamera keeps several in step.
+enum class SyncRole : uint8_t {
+  kNone,
+  kServer,  ///< gives the beat
+  kClient,  ///< keeps to it
+};
+
 /// A setting by the name that the driver's own world knows: a V4L2 control, a GenICam feature.
 struct NamedSetting {
   ShortText name;  ///< empty: nothing is set
@@ -39,8 +53,13 @@ struct CameraWiring {
   TriggerMode trigger = TriggerMode::kFree;
   NamedSetting trigger_setting;  ///< what makes it obey, where something has to be set: an input's name, a control
   uint16_t buffers = 4;
-  bool ptp = false;             ///< let it follow the network's precision time
-  bool may_reset_port = false;  ///< nothing else hangs on its USB port
+  bool ptp = false;                               ///< let it follow the network's precision time
+  bool may_reset_port = false;                    ///< nothing else hangs on its USB port
+  StampPoint stamp_point = StampPoint::kUnknown;  ///< kAravis; the others' drivers tell it themselves
+  uint16_t packet_size_bytes = 0;                 ///< kAravis on GigE; 0: the camera's own
+  double packet_delay_us = -1;      ///< kAravis on GigE, for several behind one switch; negative: the camera's own
+  SyncRole sync = SyncRole::kNone;  ///< kLibcamera
+  uint16_t sync_frames = 100;       ///< of the server, until the beat begins
 };
 
 enum class PacketDriver : uint8_t { kReplay, kUdp };
@@ -64,6 +83,7 @@ struct TriggerWiring {
   uint32_t pulse_us = 1000;
   ShortText address;  ///< kAction: where the datagram goes, a camera's or a broadcast address
   uint32_t device_key = 0, group_key = 1, group_mask = 1;
+  uint32_t lead_us = 0;  ///< kAction: the cameras expose so much later, all at one time of their PTP; 0: on receipt
 };
 
 enum class ButtonKind : uint8_t { kNone, kEvdev, kLine };

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kMaxInterface = 15;  // IFNAMSIZ, its end left out
 constexpr uint32_t kLastKey = 0x2ff;       // KEY_MAX of linux/input-event-codes.h
-constexpr uint32_t kLongestPulse_us = 1'000'000;
+constexpr uint32_t kLongestPulse_us = 1'000'000, kLongestLead_us = 1'000'000;
+constexpr uint16_t kSmallestPacket = 576, kLargestPacket = 16'260;  // what every IPv4 host takes; largest jumbo frames
 constexpr uint32_t kLargestStore = 64U << 20;
 constexpr uint8_t kLastNode = 126;
 constexpr double kLeastUnits = 1e-9, kMostUnits = 1e9;
@@ -58,6 +59,8 @@ Reason trigger_complaint(const TriggerWiring& w, const CanWiring& can) {
     return "trigger: pulse_us is not between 1 and 1000000";
   if (w.kind == TriggerKind::kAction && !is_ipv4(w.address.view()))
     return "trigger: an action command needs an address such as 192.168.1.255";
+  if (w.kind == TriggerKind::kAction && w.lead_us > kLongestLead_us)
+    return "trigger: lead_us is not between 0 and 1000000";
   if (w.kind == TriggerKind::kCan && can.interface.empty()) return "trigger: over CAN needs wiring.can.interface";
   return {};
 }
@@ -108,6 +111,11 @@ Reason wiring_complaint(const CameraProfile& camera) {
   if (!is_within(w.exposure_us, 0, 60e6)) return about(camera.name, "exposure_us is not between 0 and 60 s");
   if (!is_within(w.gain, -1, 1e6)) return about(camera.name, "gain is not between 0 and 1e6, nor -1 for its own");
   if (w.buffers < 2 || w.buffers > 16) return about(camera.name, "buffers is not between 2 and 16");
+  if (w.packet_size_bytes != 0 && (w.packet_size_bytes < kSmallestPacket || w.packet_size_bytes > kLargestPacket))
+    return about(camera.name, "packet_size_bytes is not between 576 and 16260, nor 0 for the camera's own");
+  if (!is_within(w.packet_delay_us, -1, 1e6))
+    return about(camera.name, "packet_delay_us is not between 0 and 1e6, nor -1 for the camera's own");
+  if (w.sync_frames == 0) return about(camera.name, "sync_frames is 0; the server needs some to find the beat");
   return {};
 }
 

@@ -12,6 +12,8 @@ namespace roomcal::tools {
 
 inline constexpr std::array<std::string_view, 4> kImageDriverNames = {"replay", "v4l2", "libcamera", "aravis"};
 inline constexpr std::array<std::string_view, 4> kTriggerModeNames = {"free", "software", "line", "action"};
+inline constexpr std::array<std::string_view, 4> kStampPointNames = {"unknown", "start", "middle", "end"};
+inline constexpr std::array<std::string_view, 3> kSyncRoleNames = {"none", "server", "client"};
 inline constexpr std::array<std::string_view, 2> kPacketDriverNames = {"replay", "udp"};
 inline constexpr std::array<std::string_view, 5> kTriggerKindNames = {"none", "software", "line", "action", "can"};
 inline constexpr std::array<std::string_view, 3> kButtonKindNames = {"none", "evdev", "line"};
@@ -32,6 +34,11 @@ void walk(profile::CameraWiring& w, Fields& f) {
   f.number("buffers", w.buffers);
   f.flag("ptp", w.ptp);
   f.flag("may_reset_port", w.may_reset_port);
+  f.choice("stamp_point", w.stamp_point, kStampPointNames);
+  f.number("packet_size_bytes", w.packet_size_bytes);
+  f.number("packet_delay_us", w.packet_delay_us);
+  f.choice("sync", w.sync, kSyncRoleNames);
+  f.number("sync_frames", w.sync_frames);
 }
 
 template <typename Fields>
@@ -64,6 +71,7 @@ void walk(profile::TriggerWiring& w, Fields& f) {
   f.number("device_key", w.device_key);
   f.number("group_key", w.group_key);
   f.number("group_mask", w.group_mask);
+  f.number("lead_us", w.lead_us);
 }
 
 template <typename Fields>

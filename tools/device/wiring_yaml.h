@@ -15,13 +15,16 @@ namespace roomcal::tools {
 ///              trigger: line, trigger_name: trigger_mode, trigger_value: 1, buffers: 4, ptp: false,
 ///              may_reset_port: false}           # kind: replay, v4l2, libcamera, aravis; trigger: free, software,
 ///              line, action
+///     Of kind aravis also stamp_point: unknown (or start, middle, end of the exposure), packet_size_bytes: 0,
+///     packet_delay_us: -1; of libcamera sync: none (or server, client), sync_frames: 100.
 /// Of a LiDAR:
 ///     driver: {kind: udp, port: 2368, sender: 192.168.1.201, sender_port: 0, local: "", group: "", interface: eth1,
 ///              sweeps: 3}                       # kind: replay, udp
 /// Of the device:
 ///     grab: {patience_s: 10, image_wait_s: 1.5, max_spread_ms: 0, still_px: 0.1}
 ///     wiring:
-///       trigger: {kind: line, line: trig-out, chip: /dev/gpiochip0, pulse_us: 1000}  # or none, software, action, can
+///       trigger: {kind: line, line: trig-out, chip: /dev/gpiochip0, pulse_us: 1000}  # or none, software, can, or
+///       trigger: {kind: action, address: 192.168.7.255, device_key: 0, group_key: 1, group_mask: 1, lead_us: 0}
 ///       button: {kind: evdev, path: /dev/input/by-path/platform-gpio-keys-event, code: 141}   # or line, none
 ///       light: {kind: led, path: /sys/class/leds/calibrate}                                   # or line, none
 ///       console: {path: /dev/ttyS1, baud: 115200}

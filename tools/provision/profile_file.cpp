@@ -39,7 +39,8 @@ flatbuffers::Offset<fbs::CameraWiring> put(Builder& builder, const profile::Came
              value = put(builder, w.trigger_setting.value);
   return fbs::CreateCameraWiring(builder, static_cast<uint8_t>(w.driver), key, formats_at, w.rate_hz, w.exposure_us,
                                  w.gain, static_cast<uint8_t>(w.trigger), name, value, w.buffers, w.ptp,
-                                 w.may_reset_port);
+                                 w.may_reset_port, static_cast<uint8_t>(w.stamp_point), w.packet_size_bytes,
+                                 w.packet_delay_us, static_cast<uint8_t>(w.sync), w.sync_frames);
 }
 
 flatbuffers::Offset<fbs::Camera> put(Builder& builder, const profile::CameraProfile& camera) {
@@ -104,7 +105,7 @@ flatbuffers::Offset<fbs::Wiring> put(Builder& builder, const profile::Wiring& w)
       light_line, w.light.active_low, console, w.console.baud, can, w.can.standstill, w.servo.node,
       w.servo.counts_per_turn, w.servo.velocity_units_per_count, w.servo.acceleration_units_per_count,
       w.servo.homing_method, w.servo.half_turn_s, watchdog, w.watchdog.timeout_s, static_cast<uint8_t>(w.store.kind),
-      store, w.store.size_bytes, w.store.page_bytes, replay, imu);
+      store, w.store.size_bytes, w.store.page_bytes, replay, imu, w.trigger.lead_us);
 }
 
 std::vector<flatbuffers::Offset<fbs::Limit>> put(Builder& builder, const calib::Limits& limits) {

@@ -67,6 +67,9 @@ TEST_F(StampingTest, PointOfTheStamp_DecidesStartAndUncertainty) {
   const ImageStamp end = stamp(0, context(PtpState::kNone, StampPoint::kExposureEnd));
   EXPECT_EQ(end.exposed.ns, camera_ns - 10 * kMs);
   EXPECT_LE(end.uncertainty_ns, 1000);
+  const ImageStamp middle = stamp(0, context(PtpState::kNone, StampPoint::kExposureMiddle));
+  EXPECT_EQ(middle.exposed.ns, camera_ns - 5 * kMs);
+  EXPECT_LE(middle.uncertainty_ns, 1000);
   const ImageStamp anywhere = stamp(0, context(PtpState::kNone, StampPoint::kUnknown));
   EXPECT_LE(anywhere.exposed.ns - anywhere.uncertainty_ns, end.exposed.ns);
   EXPECT_GE(anywhere.exposed.ns + anywhere.uncertainty_ns, start.exposed.ns);

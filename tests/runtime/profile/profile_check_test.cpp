@@ -123,6 +123,16 @@ TEST(CheckProfile, Camera_IsNamed) {
       {[](Profile& p) { p.cameras[0].wiring.gain = kNan; }, "cam0: gain is not between 0 and 1e6, nor -1 for its own"},
       {[](Profile& p) { p.cameras[0].wiring.buffers = 1; }, "cam0: buffers is not between 2 and 16"},
       {[](Profile& p) { p.cameras[0].wiring.buffers = 17; }, "cam0: buffers is not between 2 and 16"},
+      {[](Profile& p) { p.cameras[0].wiring.packet_size_bytes = 575; },
+       "cam0: packet_size_bytes is not between 576 and 16260, nor 0 for the camera's own"},
+      {[](Profile& p) { p.cameras[0].wiring.packet_size_bytes = 16'261; },
+       "cam0: packet_size_bytes is not between 576 and 16260, nor 0 for the camera's own"},
+      {[](Profile& p) { p.cameras[0].wiring.packet_delay_us = -2; },
+       "cam0: packet_delay_us is not between 0 and 1e6, nor -1 for the camera's own"},
+      {[](Profile& p) { p.cameras[0].wiring.packet_delay_us = kNan; },
+       "cam0: packet_delay_us is not between 0 and 1e6, nor -1 for the camera's own"},
+      {[](Profile& p) { p.cameras[0].wiring.sync_frames = 0; },
+       "cam0: sync_frames is 0; the server needs some to find the beat"},
   });
 }
 
@@ -213,6 +223,11 @@ TEST(CheckProfile, Wiring_NamesThePart) {
       {[](Profile& p) { p.wiring.trigger.line.clear(); }, "trigger: it has no line: give its name or number"},
       {[](Profile& p) { p.wiring.trigger.pulse_us = 0; }, "trigger: pulse_us is not between 1 and 1000000"},
       {[](Profile& p) { p.wiring.trigger.pulse_us = 1000001; }, "trigger: pulse_us is not between 1 and 1000000"},
+      {[](Profile& p) {
+         p.wiring.trigger.kind = TriggerKind::kAction;
+         p.wiring.trigger.lead_us = 1000001;
+       },
+       "trigger: lead_us is not between 0 and 1000000"},
       {[](Profile& p) { p.wiring.trigger = bare<TriggerWiring>(TriggerKind::kAction); }, action},
       {[](Profile& p) {
          p.wiring.trigger = bare<TriggerWiring>(TriggerKind::kAction);

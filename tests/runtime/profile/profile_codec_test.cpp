@@ -156,6 +156,8 @@ TEST(ProfileCodec, EveryEnumerationValue_ComesBack) {
   };
   each(profile.cameras[0].wiring.driver, ImageDriver::kAravis);
   each(profile.cameras[0].wiring.trigger, TriggerMode::kAction);
+  each(profile.cameras[0].wiring.stamp_point, StampPoint::kExposureEnd);
+  each(profile.cameras[0].wiring.sync, SyncRole::kClient);
   each(profile.lidars[0].wiring.driver, PacketDriver::kUdp);
   each(profile.wiring.trigger.kind, TriggerKind::kCan);
   each(profile.wiring.button.kind, ButtonKind::kLine);

@@ -41,6 +41,11 @@ CameraWiring filled_wiring(ImageDriver driver, std::string_view key) {
   w.trigger_setting = {"trigger_mode", "1"};
   w.buffers = 6;
   w.ptp = w.may_reset_port = true;
+  w.stamp_point = StampPoint::kExposureMiddle;
+  w.packet_size_bytes = 1400;
+  w.packet_delay_us = 12.5;
+  w.sync = SyncRole::kServer;
+  w.sync_frames = 60;
   return w;
 }
 
@@ -59,7 +64,7 @@ LidarWiring filled_wiring(uint16_t port) {
 
 Wiring filled_wiring() {
   Wiring w;
-  w.trigger = {TriggerKind::kLine, "/dev/gpiochip0", "trig-out", 500, "192.168.1.255", 7, 2, 3};
+  w.trigger = {TriggerKind::kLine, "/dev/gpiochip0", "trig-out", 500, "192.168.1.255", 7, 2, 3, 2000};
   w.button = {ButtonKind::kEvdev, "/dev/input/event0", 141, "key-calibrate", false, 5000};
   w.light = {LightKind::kLed, "/sys/class/leds/calibrate", "led-1", true};
   w.console = {"/dev/ttyS1", 57'600};

@@ -63,7 +63,8 @@ TEST(WiringFields, EveryMemberOfEveryStruct_IsWalkedOver) {
 TEST(CameraWiring, EveryKey_FillsItsField) {
   const profile::CameraWiring w = parse_camera(
       "{kind: aravis, key: \"Basler-1\", formats: [Mono8, Mono12], rate_hz: 29.97, exposure_us: 2000, gain: 1.5, "
-      "trigger: action, trigger_name: Line1, trigger_value: RisingEdge, buffers: 6, ptp: true, may_reset_port: true}");
+      "trigger: action, trigger_name: Line1, trigger_value: RisingEdge, buffers: 6, ptp: true, may_reset_port: true, "
+      "stamp_point: end, packet_size_bytes: 8000, packet_delay_us: 12.5, sync: client, sync_frames: 30}");
   EXPECT_EQ(w.driver, profile::ImageDriver::kAravis);
   EXPECT_EQ(w.key.view(), "Basler-1");
   ASSERT_EQ(w.formats.size(), 2U);
@@ -77,6 +78,11 @@ TEST(CameraWiring, EveryKey_FillsItsField) {
   EXPECT_EQ(w.buffers, 6U);
   EXPECT_TRUE(w.ptp);
   EXPECT_TRUE(w.may_reset_port);
+  EXPECT_EQ(w.stamp_point, profile::StampPoint::kExposureEnd);
+  EXPECT_EQ(w.packet_size_bytes, 8000U);
+  EXPECT_EQ(w.packet_delay_us, 12.5);
+  EXPECT_EQ(w.sync, profile::SyncRole::kClient);
+  EXPECT_EQ(w.sync_frames, 30U);
 }
 
 TEST(LidarWiring, EveryKey_FillsItsField) {
@@ -105,7 +111,7 @@ TEST(Wiring, EverySection_FillsItsStruct) {
   const profile::Wiring w = parse_wiring(
       "wiring:\n"
       "  trigger: {kind: line, line: trig-out, chip: /dev/gpiochip0, pulse_us: 500, address: 10.0.0.255, "
-      "device_key: 7, group_key: 2, group_mask: 3}\n"
+      "device_key: 7, group_key: 2, group_mask: 3, lead_us: 1500}\n"
       "  button: {kind: evdev, path: /dev/input/event0, code: 141, line: 4, active_low: false, debounce_us: 5000}\n"
       "  light: {kind: led, path: /sys/class/leds/calibrate, line: 5, active_low: true}\n"
       "  console: {path: /dev/ttyS1, baud: 57600}\n"
@@ -123,6 +129,7 @@ TEST(Wiring, EverySection_FillsItsStruct) {
   EXPECT_EQ(w.trigger.device_key, 7U);
   EXPECT_EQ(w.trigger.group_key, 2U);
   EXPECT_EQ(w.trigger.group_mask, 3U);
+  EXPECT_EQ(w.trigger.lead_us, 1500U);
   EXPECT_EQ(w.button.kind, profile::ButtonKind::kEvdev);
   EXPECT_EQ(w.button.path.view(), "/dev/input/event0");
   EXPECT_EQ(w.button.code, 141U);
@@ -162,6 +169,8 @@ TEST(WiringChoices, EveryName_IsReadAndWritten) {
   };
   round_trip("kind", kImageDriverNames, parse_camera);
   round_trip("trigger", kTriggerModeNames, parse_camera);
+  round_trip("stamp_point", kStampPointNames, parse_camera);
+  round_trip("sync", kSyncRoleNames, parse_camera);
   round_trip("kind", kPacketDriverNames, parse_lidar);
   const auto in_section = [](const std::string& section, const auto& names) {
     for (const std::string_view name : names) {
@@ -275,6 +284,9 @@ TEST(CameraWiring, EveryBadInput_NamesTheSensor) {
            {"{formats: [" + std::string(32, 'f') + "]}", "cam0: driver: formats: at most 31 characters"},
            {"{formats: [[A]]}", "cam0: driver: formats: expected a text"},
            {"{ptp: 1}", "cam0: driver: ptp: true or false"},
+           {"{stamp_point: begin}", "cam0: driver: stamp_point `begin`; known are unknown, start, middle, end"},
+           {"{sync: both}", "cam0: driver: sync `both`; known are none, server, client"},
+           {"{packet_size_bytes: -1}", "cam0: driver: packet_size_bytes: a whole number up to 65535"},
            {"{rate_hz: fast}", "cam0: driver: rate_hz: expected a finite number, got `fast`"},
        }) {
     const std::string got = refusal([&] { static_cast<void>(parse_camera(fields)); });
