@@ -22,13 +22,6 @@ namespace {
 
 constexpr double kClearance_m = 0.5;
 
-/// Time that this thread was on a core: other work on the machine does not count.
-double thread_cpu_ms() {
-  std::timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
 Vec3 random_direction(Random& random) {
   const Vec3 v(random.normal(), random.normal(), random.normal());
   return v.normalized();
@@ -88,12 +81,17 @@ void add_ray(const Scene& scene, const Moved& moved, const Vec3& along_lidar, st
   sums.n[beam] += 1;
 }
 
-void judge_errors(LidarTrial& trial) {
-  const Vec6 error = se3_log(trial.location.T_room_lidar.inverse() * trial.T_room_lidar);
-  trial.nees = error.dot(trial.location.cov.ldlt().solve(error));
-  trial.position_error_m = error.head<3>().norm();
-  trial.rotation_error_rad = error.tail<3>().norm();
-  trial.observed = observed_error(trial.location, trial.T_room_lidar);
+/// A pose that is off by the spec's error, in a random direction.
+scan::PosePrior wrong_prior(const LidarTrialSpec& spec, const SE3& T_room_lidar, Random& random) {
+  scan::PosePrior prior;
+  const double error_rad = deg_to_rad(spec.prior_error_deg);
+  Vec6 off;
+  off << spec.prior_error_m * random_direction(random), error_rad * random_direction(random);
+  prior.T_room_lidar = T_room_lidar * se3_exp(off);
+  prior.cov.setZero();  // the error's length is its sigma, shared by three axes
+  prior.cov.diagonal().head<3>().setConstant(std::pow(spec.prior_error_m, 2) / 3);
+  prior.cov.diagonal().tail<3>().setConstant(error_rad * error_rad / 3);
+  return prior;
 }
 
 }  // namespace
@@ -209,48 +207,64 @@ PoseBound pose_bound(const Scene& scene, const BeamTable& beams, const SE3& T_ro
   return {std::sqrt(cov.topLeftCorner<3, 3>().trace()), std::sqrt(cov.bottomRightCorner<3, 3>().trace())};
 }
 
-LidarTrial run_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec) {
-  LidarTrial trial;
-  trial.spec = spec;
+LidarTrialSetup set_up_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec) {
+  LidarTrialSetup setup;
   Random random = random_stream(spec.seed, static_cast<uint64_t>(spec.tilt));
   const BeamTable beams = vlp16_beams();
-  trial.T_room_lidar = random_lidar_pose(room.scene(), spec.tilt, random);
-  trial.bound = pose_bound(room.scene(), beams, trial.T_room_lidar, spec.sigma_m, spec.beam_offset_sigma_m);
-
+  setup.T_room_lidar = random_lidar_pose(room.scene(), spec.tilt, random);
+  setup.bound = pose_bound(room.scene(), beams, setup.T_room_lidar, spec.sigma_m, spec.beam_offset_sigma_m);
   SweepFlaws flaws;
   flaws.sigma_m = spec.sigma_m;
   for (std::size_t i = 0; i < beams.elevation_rad.size(); ++i) {
     flaws.beam_offset_m.push_back(spec.beam_offset_sigma_m * random.normal());
   }
-  const SimulatedSweep sweep = room.simulator().sweep(beams, flaws, trial.T_room_lidar, random.bits());
-  const lidar::Sweep view = sweep.view();
+  setup.sweep = room.simulator().sweep(beams, flaws, setup.T_room_lidar, random.bits());
+  setup.prior = wrong_prior(spec, setup.T_room_lidar, random);
+  setup.sensor.sigma_m = spec.sigma_m;
+  setup.sensor.beam_offset_sigma_m = spec.beam_offset_sigma_m;
+  return setup;
+}
 
-  scan::PosePrior prior;
-  Vec6 off;
-  off << spec.prior_error_m * random_direction(random), deg_to_rad(spec.prior_error_deg) * random_direction(random);
-  prior.T_room_lidar = trial.T_room_lidar * se3_exp(off);
-  prior.cov.setZero();  // the error's length is its sigma, shared by three axes
-  prior.cov.diagonal().head<3>().setConstant(std::pow(spec.prior_error_m, 2) / 3);
-  prior.cov.diagonal().tail<3>().setConstant(std::pow(deg_to_rad(spec.prior_error_deg), 2) / 3);
+LidarTrial judge_lidar_trial(const LidarTrialSpec& spec, const LidarTrialSetup& setup, const scan::Location& location,
+                             double locate_ms) {
+  LidarTrial trial;
+  trial.spec = spec;
+  trial.bound = setup.bound;
+  trial.T_room_lidar = setup.T_room_lidar;
+  trial.location = location;
+  trial.locate_ms = locate_ms;
+  const Vec6 error = se3_log(location.T_room_lidar.inverse() * setup.T_room_lidar);
+  trial.nees = error.dot(location.cov.ldlt().solve(error));
+  trial.position_error_m = error.head<3>().norm();
+  trial.rotation_error_rad = error.tail<3>().norm();
+  trial.observed = observed_error(location, setup.T_room_lidar);
+  return trial;
+}
 
-  scan::SensorModel sensor;
-  sensor.sigma_m = spec.sigma_m;
-  sensor.beam_offset_sigma_m = spec.beam_offset_sigma_m;
+LidarTrial run_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec) {
+  const LidarTrialSetup setup = set_up_lidar_trial(room, spec);
+  const lidar::Sweep sweep = setup.sweep.view();
   scan::LocateOptions options;
   options.use_reflectivity = spec.use_reflectivity;
   const bool by_gicp = spec.method == LidarMethod::kGicp;
   std::vector<std::byte> bytes(by_gicp ? scan::locate_by_gicp_scratch_bytes() : scan::locate_scratch_bytes());
   Arena scratch{bytes};
-  const scan::PosePrior* given = spec.prior ? &prior : nullptr;
+  const scan::PosePrior* prior = spec.prior ? &setup.prior : nullptr;
+  scan::Location location;
   const double start_ms = thread_cpu_ms();
-  const Status status = by_gicp
-                            ? scan::locate_by_gicp(room.surface(), room.dense(), {&view, 1}, sensor, given, options, {},
-                                                   scratch, trial.location)
-                            : scan::locate(room.surface(), {&view, 1}, sensor, given, options, scratch, trial.location);
-  trial.locate_ms = thread_cpu_ms() - start_ms;
+  const Status status =
+      by_gicp ? scan::locate_by_gicp(room.surface(), room.dense(), {&sweep, 1}, setup.sensor, prior, options, {},
+                                     scratch, location)
+              : scan::locate(room.surface(), {&sweep, 1}, setup.sensor, prior, options, scratch, location);
+  const double locate_ms = thread_cpu_ms() - start_ms;
   if (!status.ok()) throw ToolError(status.detail());
-  judge_errors(trial);
-  return trial;
+  return judge_lidar_trial(spec, setup, location, locate_ms);
+}
+
+double thread_cpu_ms() {
+  std::timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace roomcal::tools

@@ -89,7 +89,24 @@ SE3 random_lidar_pose(const Scene& scene, Tilt tilt, Random& random);
 PoseBound pose_bound(const Scene& scene, const BeamTable& beams, const SE3& T_room_lidar, double sigma_m,
                      double beam_offset_sigma_m);
 
+/// What a trial gives to whoever is to locate the sensor.
+struct LidarTrialSetup {
+  SE3 T_room_lidar;  ///< truth
+  PoseBound bound;
+  SimulatedSweep sweep;
+  scan::PosePrior prior;
+  scan::SensorModel sensor;
+};
+LidarTrialSetup set_up_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec);
+
+/// Errors of a location in a trial.
+LidarTrial judge_lidar_trial(const LidarTrialSpec& spec, const LidarTrialSetup& setup, const scan::Location& location,
+                             double locate_ms);
+
 /// Simulates a sweep and locates it.
 LidarTrial run_lidar_trial(const LidarRoom& room, const LidarTrialSpec& spec);
+
+/// Time that this thread was on a core: other work on the machine does not count.
+double thread_cpu_ms();
 
 }  // namespace roomcal::tools
