@@ -93,7 +93,7 @@ TEST_F(Shot, IntrinsicsOffAndRefined_MeetTheTruthWithinWhatTheyClaimAndWithoutHe
   ArmedSession armed(device, map());
   const std::vector<ImageView> images = good_images();
   Status status;
-  std::size_t calls = 0;
+  [[maybe_unused]] std::size_t calls = 0;
   {
     const budget::HeapGuard guard;
     status = armed.calibrate(images);
@@ -136,7 +136,7 @@ TEST_F(Shot, ComputingIt_CallsNoHeap) {
   ArmedSession armed(*shot_->device, map());
   const std::vector<ImageView> images = good_images();
   Status status;
-  std::size_t calls = 0;
+  [[maybe_unused]] std::size_t calls = 0;
   {
     const budget::HeapGuard guard;
     status = armed.calibrate(images);
