@@ -149,12 +149,12 @@ ReportPage report_page(const ReportInput& input) {
   if (!input.installed.empty()) content["installed"] = against_installed(result, read_result(input.installed));
   if (!input.truth.empty()) content["truth"] = against_truth(result, input.truth);
   content["notes"] = page.notes;
-  page.html =
-      make_page(title_of(result), report_assets::report_css,
-                {report_assets::report_parts_js, report_assets::report_charts_js, report_assets::report_pictures_js,
-                 report_assets::report_plan_js, report_assets::report_scene_js, report_assets::report_device_js,
-                 report_assets::report_tables_js, report_assets::report_js},
-                content);
+  page.html = make_page(title_of(result), report_assets::report_css,
+                        {report_assets::report_parts_js, report_assets::report_charts_js,
+                         report_assets::report_covariance_js, report_assets::report_pictures_js,
+                         report_assets::report_plan_js, report_assets::report_glyphs_js, report_assets::report_scene_js,
+                         report_assets::report_device_js, report_assets::report_tables_js, report_assets::report_js},
+                        content);
   return page;
 }
 

@@ -24,7 +24,8 @@ const matrix = {
   point: (T, p) => [0, 1, 2].map((r) => T[r][0] * p[0] + T[r][1] * p[1] + T[r][2] * p[2] + T[r][3]),
   direction: (T, v) => [0, 1, 2].map((r) => T[r][0] * v[0] + T[r][1] * v[1] + T[r][2] * v[2]),
   /** Degrees about x, y, z with R = Rz Ry Rx. */
-  angles: (T) => [Math.atan2(T[2][1], T[2][2]), Math.asin(Math.max(-1, Math.min(1, -T[2][0]))), Math.atan2(T[1][0], T[0][0])].map(degrees),
+  angles: (T) =>
+    [Math.atan2(T[2][1], T[2][2]), Math.asin(Math.max(-1, Math.min(1, -T[2][0]))), Math.atan2(T[1][0], T[0][0])].map(degrees),
   translation: (T) => [T[0][3], T[1][3], T[2][3]],
   turn: (T) => degrees(Math.acos(Math.max(-1, Math.min(1, (T[0][0] + T[1][1] + T[2][2] - 1) / 2)))),
 };
@@ -37,20 +38,38 @@ function sigmasOf(covariance) {
 
 // A result without places in the room (a stored record) is drawn about its reference camera, upright.
 const inRoom = names.some((name) => result.sensors[name].T_room_sensor);
-const upright = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]];
+const upright = [
+  [1, 0, 0, 0],
+  [0, 0, 1, 0],
+  [0, -1, 0, 0],
+  [0, 0, 0, 1],
+];
 
 const sensors = names.map((name, number) => {
-  const told = result.sensors[name], camera = told.kind !== "lidar";
+  const told = result.sensors[name],
+    camera = told.kind !== "lidar";
   const T_scene = inRoom ? told.T_room_sensor : told.T_rig_sensor && matrix.multiply(upright, told.T_rig_sensor);
   return {
-    key: name, name, number, told, camera, T_scene: T_scene || null, T_rig: told.T_rig_sensor || null, reference: name === result.rig_frame,
-    located: told.located !== false && Boolean(T_scene), rings: told.rings || [], sigma: told.covariance ? sigmasOf(told.covariance) : null,
-    outline: (data.outlines || {})[name] || [], picture: (data.pictures || {})[name], sweep: (data.sweeps || {})[name],
+    key: name,
+    name,
+    number,
+    told,
+    camera,
+    T_scene: T_scene || null,
+    T_rig: told.T_rig_sensor || null,
+    reference: name === result.rig_frame,
+    located: told.located !== false && Boolean(T_scene),
+    rings: told.rings || [],
+    sigma: told.covariance ? sigmasOf(told.covariance) : null,
+    outline: (data.outlines || {})[name] || [],
+    picture: (data.pictures || {})[name],
+    sweep: (data.sweeps || {})[name],
     projections: (data.projections || {})[name] || {},
   };
 });
 const sensorOf = new Map(sensors.map((sensor) => [sensor.name, sensor]));
-const cameras = sensors.filter((sensor) => sensor.camera), lidars = sensors.filter((sensor) => !sensor.camera);
+const cameras = sensors.filter((sensor) => sensor.camera),
+  lidars = sensors.filter((sensor) => !sensor.camera);
 const room = inRoom ? data.room : null;
 const markerOf = new Map((room ? room.markers : []).map((marker) => [marker.id, marker]));
 const sweeps = lidars.filter((sensor) => sensor.sweep);
@@ -84,7 +103,9 @@ function tipOn(node, textOf) {
     pageTip.style.left = `${Math.min(event.clientX + 14, innerWidth - pageTip.offsetWidth - 8)}px`;
     pageTip.style.top = `${Math.min(event.clientY + 14, innerHeight - pageTip.offsetHeight - 8)}px`;
   });
-  node.addEventListener("pointerleave", () => { pageTip.style.display = "none"; });
+  node.addEventListener("pointerleave", () => {
+    pageTip.style.display = "none";
+  });
 }
 
 function section(title, lead, ...content) {
@@ -92,18 +113,28 @@ function section(title, lead, ...content) {
 }
 
 function toggle(name, on, change) {
-  return element("label", {}, element("input", { type: "checkbox", checked: on, onchange: (event) => change(event.target.checked) }), name);
+  return element(
+    "label",
+    {},
+    element("input", { type: "checkbox", checked: on, onchange: (event) => change(event.target.checked) }),
+    name,
+  );
 }
 
 /** options: [[value, text]] */
 function choice(label, options, chosen, change) {
-  return element("select", { "aria-label": label, onchange: (event) => change(event.target.value) },
-    ...options.map(([value, text]) => element("option", { value, selected: String(value) === String(chosen) }, text)));
+  return element(
+    "select",
+    { "aria-label": label, onchange: (event) => change(event.target.value) },
+    ...options.map(([value, text]) => element("option", { value, selected: String(value) === String(chosen) }, text)),
+  );
 }
 
 /** The canvas at the screen's own resolution, cleared, one unit a CSS pixel. */
 function freshCanvas(canvas) {
-  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+  const ratio = window.devicePixelRatio || 1,
+    width = canvas.clientWidth,
+    height = canvas.clientHeight;
   canvas.width = Math.max(1, Math.round(width * ratio));
   canvas.height = Math.max(1, Math.round(height * ratio));
   const g = canvas.getContext("2d");
@@ -119,7 +150,8 @@ function keepDrawn(canvas, draw) {
 
 /** 1, 2 or 5 times a power of ten, not above `value`. */
 function roundStep(value) {
-  const power = 10 ** Math.floor(Math.log10(value)), lead = value / power;
+  const power = 10 ** Math.floor(Math.log10(value)),
+    lead = value / power;
   return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
 }
 
@@ -128,15 +160,19 @@ const residualStops = () => ["--minus", "--zero", "--plus"].map(themeColour);
 
 /** A colour bar with its ends and middle. */
 function colourBar(stops, ticks) {
-  return [element("div", { class: "bar", style: `background:linear-gradient(to right, ${stops.join(", ")})` }),
-    element("div", { class: "ticks" }, ...ticks.map((tick) => element("span", {}, tick)))];
+  return [
+    element("div", { class: "bar", style: `background:linear-gradient(to right, ${stops.join(", ")})` }),
+    element("div", { class: "ticks" }, ...ticks.map((tick) => element("span", {}, tick))),
+  ];
 }
 
 /** A p-value: two digits, or a power of ten. */
 function probability(value) {
   if (!finite(value)) return "\u2013";
   if (value >= 1e-4) return value >= 0.995 ? "1.00" : value.toPrecision(2);
-  const raised = [...String(-Math.floor(Math.log10(Math.max(value, 1e-300))))].map((digit) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[digit]);
+  const raised = [...String(-Math.floor(Math.log10(Math.max(value, 1e-300))))].map(
+    (digit) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[digit],
+  );
   return `10\u207b${raised.join("")}`;
 }
 
