@@ -69,7 +69,8 @@ void advise_coverage(const MapData& data, const MapQuality& quality, const Cover
   std::stable_sort(weak.begin(), weak.end(), [](const Weak& a, const Weak& b) { return a.views > b.views; });
   constexpr std::size_t kMost = 3;
   for (std::size_t i = 0; i < std::min(kMost, weak.size()) && weak[i].views > 0; ++i) {
-    const Vec3 at = weak[i].sum_room / static_cast<double>(weak[i].views);
+    const Vec3 mean_room = weak[i].sum_room / static_cast<double>(weak[i].views);
+    const Vec3 at = (10 * mean_room).array().round().matrix() / 10 + Vec3::Zero();  // adding 0: no negative zero
     advice.push_back(fmt::format(
         "add markers on plane {} around ({:.1f}, {:.1f}, {:.1f}) m: {} of {} sample views that look "
         "there see fewer than {} or are not located",

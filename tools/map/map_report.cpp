@@ -76,7 +76,8 @@ std::string map_report(const map::RoomMap& map, const Json& description, const M
   content["looks"] = looks_of(quality.coverage);
   content["advice"] = quality.advice;
   content["bake"] = bake_of(bake);
-  return make_page("Room map " + description.at("id").get<std::string>(), {}, {map_assets::map_report_js}, content);
+  return make_page("Room map " + description.at("id").get<std::string>(), {},
+                   {map_assets::map_tables_js, map_assets::map_report_js}, content);
 }
 
 }  // namespace roomcal::tools

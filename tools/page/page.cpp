@@ -32,8 +32,8 @@ std::string embedded(const nlohmann::ordered_json& data) {
 std::string make_page(const std::string& title, std::string_view style, std::initializer_list<std::string_view> scripts,
                       const nlohmann::ordered_json& data) {
   std::string script;
-  for (const std::string_view part :
-       {page_assets::camera_js, page_assets::labels_js, page_assets::scene_js, page_assets::parts_js})
+  for (const std::string_view part : {page_assets::camera_js, page_assets::labels_js, page_assets::scene_hands_js,
+                                      page_assets::scene_js, page_assets::parts_js})
     script.append(part);
   for (const std::string_view part : scripts) script.append(part);
   replace_all(script, "\"use strict\";\n", "");

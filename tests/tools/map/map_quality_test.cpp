@@ -41,6 +41,7 @@ TEST(Coverage, SparseRoom_IsMissedAndAdvised) {
   const MapQuality quality = measure_map_quality(whole_room(12, 2), few_positions());
   EXPECT_LT(quality.coverage.seen_share, 0.8);
   EXPECT_TRUE(any_holds(quality.advice, "add markers on plane"));
+  EXPECT_FALSE(any_holds(quality.advice, "-0.0"));
 }
 
 TEST(Coverage, SameMap_GivesTheSameFigures) {

@@ -29,7 +29,10 @@ const varies = (candidate) => {
   const values = candidate.of ? rows.map(candidate.of).filter((v) => Number.isFinite(v)) : [];
   return values.length > 1 && Math.max(...values) > 1.001 * Math.min(...values);
 };
-const firstScale = Math.max(0, scales.findIndex((candidate) => varies(candidate) || !candidate.of));
+const firstScale = Math.max(
+  0,
+  scales.findIndex((candidate) => varies(candidate) || !candidate.of),
+);
 
 let scale = scales[firstScale];
 let range = [0, 1];
@@ -51,28 +54,78 @@ function colourOf(row) {
   return rampColour(scale.more ? 1 - share : share, stops);
 }
 
-const tipOf = (row) => [
-  `marker ${row.id}`,
-  `${row.p.map((v) => v.toFixed(3)).join("  ")} m`,
-  row.sigma_mm > 0 ? `uncertainty ${figure(row.sigma_mm)} mm` : "claims to be exact",
-  Number.isFinite(row.held_out_mm) ? `held out ${figure(row.held_out_mm)} mm` : null,
-  Number.isFinite(row.sightings) ? `${row.sightings} sightings, ${figure(row.rms_px)} px` : null,
-].filter(Boolean).join("\n");
+const tipOf = (row) =>
+  [
+    `marker ${row.id}`,
+    `${row.p.map((v) => v.toFixed(3)).join("  ")} m`,
+    row.sigma_mm > 0 ? `uncertainty ${figure(row.sigma_mm)} mm` : "claims to be exact",
+    Number.isFinite(row.held_out_mm) ? `held out ${figure(row.held_out_mm)} mm` : null,
+    Number.isFinite(row.sightings) ? `${row.sightings} sightings, ${figure(row.rms_px)} px` : null,
+  ]
+    .filter(Boolean)
+    .join("\n");
 
 function buildScene(canvas, tip) {
   const scene = new Scene(canvas, tip);
-  planes.forEach((plane) => { if (plane.outline.length > 2) scene.add({ kind: "polygon", points: plane.outline, normal: plane.normal, layer: "planes" }); });
-  for (const line of data.lines) scene.add({ kind: "line", points: [line.from, line.to], colour: () => scene.colour("--accent"), width: 1, layer: "edges" });
-  for (const corner of data.corners) scene.add({ kind: "point", at: corner, colour: () => scene.colour("--accent"), size: 3, layer: "edges", tip: `corner\n${corner.map((v) => v.toFixed(3)).join("  ")} m` });
+  planes.forEach((plane) => {
+    if (plane.outline.length > 2) scene.add({ kind: "polygon", points: plane.outline, normal: plane.normal, layer: "planes" });
+  });
+  for (const line of data.lines)
+    scene.add({ kind: "line", points: [line.from, line.to], colour: () => scene.colour("--accent"), width: 1, layer: "edges" });
+  for (const corner of data.corners)
+    scene.add({
+      kind: "point",
+      at: corner,
+      colour: () => scene.colour("--accent"),
+      size: 3,
+      layer: "edges",
+      tip: `corner\n${corner.map((v) => v.toFixed(3)).join("  ")} m`,
+    });
   const stem = 0.6 * (map.spacing_m ? map.spacing_m.median : 0.2);
   for (const row of rows) {
     const radius = row.r || 0.2 * (map.spacing_m ? map.spacing_m.median : 0.2);
-    if (row.n) scene.add({ kind: "disc", at: row.p, normal: row.n, radius, stem, colour: () => colourOf(row), layer: "markers", tip: () => tipOf(row), key: row.id });
-    else scene.add({ kind: "point", at: row.p, size: 4, colour: () => colourOf(row), layer: "markers", tip: () => tipOf(row), key: row.id });
+    if (row.n)
+      scene.add({
+        kind: "disc",
+        at: row.p,
+        normal: row.n,
+        radius,
+        stem,
+        colour: () => colourOf(row),
+        layer: "markers",
+        tip: () => tipOf(row),
+        key: row.id,
+      });
+    else
+      scene.add({
+        kind: "point",
+        at: row.p,
+        size: 4,
+        colour: () => colourOf(row),
+        layer: "markers",
+        tip: () => tipOf(row),
+        key: row.id,
+      });
   }
   if (data.path.length > 1) {
-    scene.add({ kind: "line", points: data.path.map((v) => v.at), colour: () => scene.colour("--soft"), width: 1.2, dash: [4, 3], layer: "path" });
-    data.path.forEach((v, i) => scene.add({ kind: "point", at: v.at, size: i === 0 ? 5 : 2.2, colour: () => scene.colour("--soft"), layer: "path", tip: v.name + (i === 0 ? "\nthe survey began here" : "") }));
+    scene.add({
+      kind: "line",
+      points: data.path.map((v) => v.at),
+      colour: () => scene.colour("--soft"),
+      width: 1.2,
+      dash: [4, 3],
+      layer: "path",
+    });
+    data.path.forEach((v, i) =>
+      scene.add({
+        kind: "point",
+        at: v.at,
+        size: i === 0 ? 5 : 2.2,
+        colour: () => scene.colour("--soft"),
+        layer: "path",
+        tip: v.name + (i === 0 ? "\nthe survey began here" : ""),
+      }),
+    );
   }
   for (const look of data.looks) {
     const colour = () => scene.colour(look.located ? "--ramp-0" : "--ramp-3");
@@ -89,111 +142,210 @@ function legendOf() {
   legend.update = () => {
     legend.replaceChildren(element("strong", {}, scale.name), element("span", {}, scale.what));
     if (!scale.of) {
-      planes.forEach((plane, i) => legend.append(element("span", { class: "row" },
-        element("span", { class: "swatch", style: `background:${planeColours[i % planeColours.length]}` }), `plane ${i}: ${plane.markers} markers`)));
+      planes.forEach((plane, i) =>
+        legend.append(
+          element(
+            "span",
+            { class: "row" },
+            element("span", { class: "swatch", style: `background:${planeColours[i % planeColours.length]}` }),
+            `plane ${i}: ${plane.markers} markers`,
+          ),
+        ),
+      );
       return;
     }
-    const ends = scale.more ? [...stops].reverse() : stops, [low, high] = range;
-    legend.append(element("div", { class: "bar", style: `margin-top:6px;background:linear-gradient(to right, ${ends.join(", ")})` }),
-      element("div", { class: "ticks" }, ...[low, (low + high) / 2, high].map((v, i) => element("span", {}, figure(v) + (i === 2 && scale.unit ? ` ${scale.unit}` : "")))),
-      element("span", { class: "row" }, `median ${figure(quantile(rows.map(scale.of), 0.5))} ${scale.unit}`));
+    const ends = scale.more ? [...stops].reverse() : stops,
+      [low, high] = range;
+    legend.append(
+      element("div", { class: "bar", style: `margin-top:6px;background:linear-gradient(to right, ${ends.join(", ")})` }),
+      element(
+        "div",
+        { class: "ticks" },
+        ...[low, (low + high) / 2, high].map((v, i) =>
+          element("span", {}, figure(v) + (i === 2 && scale.unit ? ` ${scale.unit}` : "")),
+        ),
+      ),
+      element("span", { class: "row" }, `median ${figure(quantile(rows.map(scale.of), 0.5))} ${scale.unit}`),
+    );
   };
   return legend;
 }
 
 function toolbar(scene, legend) {
-  const layers = [["planes", "Planes", planes.length], ["normals", "Normals", rows.some((r) => r.n)], ["edges", "Edges, corners", data.lines.length + data.corners.length],
-    ["path", "Survey path", data.path.length > 1], ["looks", "Sample looks", data.looks.length], ["grid", "1 m grid", true]].filter((layer) => layer[2]);
-  const toggles = layers.map(([key, name]) => element("label", {}, element("input", { type: "checkbox", checked: !scene.hidden.has(key), onchange: (e) => {
-    if (e.target.checked) scene.hidden.delete(key); else scene.hidden.add(key);
+  const layers = [
+    ["planes", "Planes", planes.length],
+    ["normals", "Normals", rows.some((r) => r.n)],
+    ["edges", "Edges, corners", data.lines.length + data.corners.length],
+    ["path", "Survey path", data.path.length > 1],
+    ["looks", "Sample looks", data.looks.length],
+    ["grid", "1 m grid", true],
+  ].filter((layer) => layer[2]);
+  const toggles = layers.map(([key, name]) =>
+    element(
+      "label",
+      {},
+      element("input", {
+        type: "checkbox",
+        checked: !scene.hidden.has(key),
+        onchange: (e) => {
+          if (e.target.checked) scene.hidden.delete(key);
+          else scene.hidden.add(key);
+          scene.schedule();
+        },
+      }),
+      name,
+    ),
+  );
+  const choice = element(
+    "select",
+    {
+      "aria-label": "Colour by",
+      id: "scale",
+      onchange: (e) => {
+        chooseScale(Number(e.target.value));
+        legend.update();
+        repaintDots();
+        scene.schedule();
+      },
+    },
+    ...scales.map((s, i) => element("option", { value: i, selected: i === firstScale }, `Colour: ${s.name.toLowerCase()}`)),
+  );
+  const look = (yaw, pitch) => () => {
+    scene.camera.reset();
+    if (yaw !== null) Object.assign(scene.camera, { yaw, pitch });
     scene.schedule();
-  } }), name));
-  const choice = element("select", { "aria-label": "Colour by", id: "scale", onchange: (e) => { chooseScale(Number(e.target.value)); legend.update(); repaintDots(); scene.schedule(); } },
-    ...scales.map((s, i) => element("option", { value: i, selected: i === firstScale }, `Colour: ${s.name.toLowerCase()}`)));
-  const look = (yaw, pitch) => () => { scene.camera.reset(); if (yaw !== null) Object.assign(scene.camera, { yaw, pitch }); scene.schedule(); };
-  return element("div", { class: "tools" }, choice, ...toggles,
-    element("button", { type: "button", onclick: look(null) }, "Whole room"), element("button", { type: "button", onclick: look(-Math.PI / 2, Math.PI / 2) }, "From above"));
+  };
+  return element(
+    "div",
+    { class: "tools" },
+    choice,
+    ...toggles,
+    element("button", { type: "button", onclick: look(null) }, "Whole room"),
+    element("button", { type: "button", onclick: look(-Math.PI / 2, Math.PI / 2) }, "From above"),
+  );
 }
 
 function repaintDots() {
   for (const row of rows) if (row.dot) row.dot.style.background = colourOf(row);
 }
 
-function markerTable(choose) {
-  const has = (key) => rows.some((r) => Number.isFinite(r[key]));
-  const number = (key, name, show) => ({ name, value: (r) => r[key] ?? null, show: (r) => (show || figure)(r[key]) });
-  const columns = [
-    { name: "Marker", word: true, value: (r) => r.id, show: (r) => element("span", {}, (r.dot = element("span", { class: "dot" })), String(r.id)) },
-    ...["x", "y", "z"].map((name, k) => ({ name: `${name} m`, value: (r) => r.p[k], show: (r) => fixed(r.p[k], 4) })),
-    number("sigma_mm", "1\u03c3 mm"), has("held_out_mm") && number("held_out_mm", "held out mm"), has("rms_px") && number("rms_px", "residual px"),
-    has("sightings") && number("sightings", "sightings", (v) => (Number.isFinite(v) ? String(v) : "\u2013")),
-    number("r_mm", "radius mm"), { name: "plane", value: (r) => (r.plane < 0 ? null : r.plane), show: (r) => (r.plane < 0 ? "\u2013" : String(r.plane)) },
-    number("off_plane_mm", "off plane mm"),
-  ].filter(Boolean);
-  rows.forEach((r) => { r.r_mm = r.r ? 1e3 * r.r : null; r.off_plane_mm = r.plane < 0 ? null : 1e3 * (planes[r.plane].normal.reduce((s, n, k) => s + n * r.p[k], 0) + planes[r.plane].d_m); });
-  return new SortableTable(columns, rows, choose);
-}
-
-function planeTable() {
-  const columns = [
-    { name: "Plane", word: true, value: (p) => p.key, show: (p) => element("span", {}, element("span", { class: "dot", style: `background:${planeColours[p.key % planeColours.length]}` }), String(p.key)) },
-    { name: "markers", value: (p) => p.markers }, { name: "RMS mm", value: (p) => p.rms_m * 1e3, show: (p) => figure(p.rms_m * 1e3) },
-    { name: "normal", value: (p) => p.normal.join(" "), show: (p) => p.normal.map((v) => fixed(v, 3)).join("  ") }, { name: "d m", value: (p) => p.d_m, show: (p) => fixed(p.d_m, 4) },
-  ];
-  return new SortableTable(columns, planes.map((p, i) => ({ ...p, key: i })), () => {}).node;
-}
-
 function summary() {
-  const sigma = rows.map((r) => r.sigma_mm), exact = Math.max(...sigma) === 0;
+  const sigma = rows.map((r) => r.sigma_mm),
+    exact = Math.max(...sigma) === 0;
   const size = map.extent_m.max.map((v, k) => (v - map.extent_m.min[k]).toFixed(1));
-  const error = bake.error_mm || {}, reprojection = bake.reprojection || {}, unique = map.uniqueness, coverage = map.quality.coverage;
+  const error = bake.error_mm || {},
+    reprojection = bake.reprojection || {},
+    unique = map.uniqueness,
+    coverage = map.quality.coverage;
   return facts([
-    [map.markers, "", "markers"], [planes.length, "", `planes, worst RMS ${figure(1e3 * Math.max(0, ...planes.map((p) => p.rms_m)))} mm`],
+    [map.markers, "", "markers"],
+    [planes.length, "", `planes, worst RMS ${figure(1e3 * Math.max(0, ...planes.map((p) => p.rms_m)))} mm`],
     [size.join(" \u00d7 "), "m", "extent of the markers"],
-    exact ? ["exact", "", "no uncertainty in the map"] : [figure(quantile(sigma, 0.5)), "mm", varies(scales[0]) ? `uncertainty, median; worst ${figure(Math.max(...sigma))}` : "uncertainty, the same for all"],
-    Number.isFinite(error.held_out_rms) && [figure(error.held_out_rms), "mm", `held-out error, RMS; expected ${figure(error.expected_rms)}`],
-    reprojection.median_px && [reprojection.median_px.map((v) => figure(v)).join(" / "), "px", "reprojection, median, left / right"],
+    exact
+      ? ["exact", "", "no uncertainty in the map"]
+      : [
+          figure(quantile(sigma, 0.5)),
+          "mm",
+          varies(scales[0]) ? `uncertainty, median; worst ${figure(Math.max(...sigma))}` : "uncertainty, the same for all",
+        ],
+    Number.isFinite(error.held_out_rms) && [
+      figure(error.held_out_rms),
+      "mm",
+      `held-out error, RMS; expected ${figure(error.expected_rms)}`,
+    ],
+    reprojection.median_px && [
+      reprojection.median_px.map((v) => figure(v)).join(" / "),
+      "px",
+      "reprojection, median, left / right",
+    ],
     unique && [figure(unique.worst_mm), "mm", `between the two most similar places; median ${figure(unique.median_mm)}`],
     map.spacing_m && [figure(1e3 * map.spacing_m.median), "mm", "to the next marker, median"],
     data.looks.length && [Math.round(100 * coverage.located_share), "%", `of ${coverage.views} sample looks find their place`],
-    data.looks.length && [figure(coverage.median_sigma_mm), "mm", `a camera's place, 1\u03c3, median; ${figure(coverage.median_sigma_deg)}\u00b0`],
+    data.looks.length && [
+      figure(coverage.median_sigma_mm),
+      "mm",
+      `a camera's place, 1\u03c3, median; ${figure(coverage.median_sigma_deg)}\u00b0`,
+    ],
   ]);
 }
 
 function adviceSection() {
   if (!data.advice.length) return null;
-  return element("section", {}, element("h2", {}, "Advice"),
-    element("ul", { class: "advice" }, ...data.advice.map((a) => element("li", {}, a))));
+  return element(
+    "section",
+    {},
+    element("h2", {}, "Advice"),
+    element("ul", { class: "advice" }, ...data.advice.map((a) => element("li", {}, a))),
+  );
 }
 
 function spreadSection() {
   const shown = scales[firstScale];
   if (!shown.of) return null;
-  return element("div", {}, element("h2", {}, `${shown.name} of the markers`), histogram(rows.map(shown.of).filter((v) => Number.isFinite(v)), shown.unit));
+  return element(
+    "div",
+    {},
+    element("h2", {}, `${shown.name} of the markers`),
+    histogram(
+      rows.map(shown.of).filter((v) => Number.isFinite(v)),
+      shown.unit,
+    ),
+  );
 }
 
 function build() {
-  const canvas = element("canvas", { role: "img", "aria-label": "The room in 3-D: drag to turn, wheel to zoom, arrow keys to turn" });
-  const tip = element("div", { class: "tip" }), legend = legendOf();
+  const canvas = element("canvas", {
+    role: "img",
+    "aria-label": "The room in 3-D: drag to turn, wheel to zoom, arrow keys to turn",
+  });
+  const tip = element("div", { class: "tip" }),
+    legend = legendOf();
   const scene = buildScene(canvas, tip);
-  const choose = (key, scroll) => { scene.chosen = key; table.choose(key, scroll); scene.schedule(); };
+  const choose = (key, scroll) => {
+    scene.chosen = key;
+    table.choose(key, scroll);
+    scene.schedule();
+  };
   const table = markerTable((key) => choose(key, false));
   scene.onPick = (key) => choose(key, true);
-  const theme = () => { stops = [0, 1, 2, 3].map((i) => scene.colour(`--ramp-${i}`)); legend.update(); repaintDots(); };
+  const theme = () => {
+    stops = [0, 1, 2, 3].map((i) => scene.colour(`--ramp-${i}`));
+    legend.update();
+    repaintDots();
+  };
   chooseScale(firstScale);
   theme();
   document.addEventListener("themechange", theme);
   const made = map.created_unix_s ? `, made ${new Date(1e3 * map.created_unix_s).toISOString().slice(0, 10)}` : "";
   const spread = spreadSection();
-  document.getElementById("page").append(
-    element("header", {}, element("h1", {}, `Room map ${map.id}`), element("p", {}, `${map.provenance}${made}`), themeButton()),
-    summary(),
-    element("div", { class: "view" }, canvas, toolbar(scene, legend), legend, tip,
-      element("p", { class: "hint" }, "Drag turns, wheel zooms, shift-drag moves; click a marker")),
-    adviceSection() || "",
-    element("section", { class: spread ? "columns" : null }, element("div", {}, element("h2", {}, "Planes"), planeTable()), spread),
-    element("section", {}, element("h2", {}, "Markers"), table.node),
-    element("footer", {}, `Content ${map.content_crc32c}, ${map.bytes} bytes, ${map.triangles} triangles. Written by roomcal; this page needs no network.`));
+  document
+    .getElementById("page")
+    .append(
+      element("header", {}, element("h1", {}, `Room map ${map.id}`), element("p", {}, `${map.provenance}${made}`), themeButton()),
+      summary(),
+      element(
+        "div",
+        { class: "view" },
+        canvas,
+        toolbar(scene, legend),
+        legend,
+        tip,
+        element("p", { class: "hint" }, "Drag turns, wheel zooms, shift-drag moves; click a marker"),
+      ),
+      adviceSection() || "",
+      element(
+        "section",
+        { class: spread ? "columns" : null },
+        element("div", {}, element("h2", {}, "Planes"), planeTable()),
+        spread,
+      ),
+      element("section", {}, element("h2", {}, "Markers"), table.node),
+      element(
+        "footer",
+        {},
+        `Content ${map.content_crc32c}, ${map.bytes} bytes, ${map.triangles} triangles. Written by roomcal; this page needs no network.`,
+      ),
+    );
   scene.frame([...rows.map((r) => r.p), ...planes.flatMap((p) => p.outline), ...data.corners]);
   scene.draw();
   window.roomcal = { scene, table, rows };

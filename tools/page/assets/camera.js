@@ -28,12 +28,16 @@ class OrbitCamera {
 
   /** Moves the room by a distance on the screen, px. */
   pan(dx, dy, focal) {
-    const { right, up } = this.axes(), scale = this.distance / focal;
+    const { right, up } = this.axes(),
+      scale = this.distance / focal;
     for (let k = 0; k < 3; ++k) this.centre[k] += scale * (-dx * right[k] + dy * up[k]);
   }
 
   axes() {
-    const cy = Math.cos(this.yaw), sy = Math.sin(this.yaw), cp = Math.cos(this.pitch), sp = Math.sin(this.pitch);
+    const cy = Math.cos(this.yaw),
+      sy = Math.sin(this.yaw),
+      cp = Math.cos(this.pitch),
+      sp = Math.sin(this.pitch);
     return { right: [-sy, cy, 0], up: [-sp * cy, -sp * sy, cp], back: [cp * cy, cp * sy, sp] };
   }
 
@@ -44,15 +48,24 @@ class OrbitCamera {
 
   /** A function from room coordinates to [x px, y px, depth m]; depth is not positive behind the eye. */
   projector(width, height) {
-    const { right, up, back } = this.axes(), [cx, cy, cz] = this.centre, focal = this.focal(width, height);
+    const { right, up, back } = this.axes(),
+      [cx, cy, cz] = this.centre,
+      focal = this.focal(width, height);
     return (p) => {
-      const x = p[0] - cx, y = p[1] - cy, z = p[2] - cz;
+      const x = p[0] - cx,
+        y = p[1] - cy,
+        z = p[2] - cz;
       const depth = this.distance - (x * back[0] + y * back[1] + z * back[2]);
       const scale = focal / Math.max(depth, 1e-3);
-      return [width / 2 + scale * (x * right[0] + y * right[1] + z * right[2]),
-              height / 2 - scale * (x * up[0] + y * up[1] + z * up[2]), depth];
+      return [
+        width / 2 + scale * (x * right[0] + y * right[1] + z * right[2]),
+        height / 2 - scale * (x * up[0] + y * up[1] + z * up[2]),
+        depth,
+      ];
     };
   }
 
-  focal(width, height) { return 1.35 * Math.min(width, height); }
+  focal(width, height) {
+    return 1.35 * Math.min(width, height);
+  }
 }

@@ -5,7 +5,10 @@ const vec = {
   sub: (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]],
   dot: (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2],
   cross: (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]],
-  unit: (a) => { const n = Math.hypot(...a) || 1; return a.map((x) => x / n); },
+  unit: (a) => {
+    const n = Math.hypot(...a) || 1;
+    return a.map((x) => x / n);
+  },
 };
 
 // A 3-D scene on a 2-D canvas: things are polygons, discs, lines and points in room coordinates (metres, z up), painted
@@ -32,34 +35,55 @@ class Scene {
     this.hidden = new Set();
     this.chosen = null;
     this.onPick = () => {};
-    this.pointers = new Map();
     this.camera = new OrbitCamera([0, 0, 0], 1);
     this.floor = null;
     this.colours = {};
     canvas.tabIndex = 0;
-    this.listen();
+    this.hands = new SceneHands(this);
+    new ResizeObserver(() => this.schedule()).observe(canvas);
+    document.addEventListener("themechange", () => {
+      this.colours = {};
+      this.schedule();
+    });
   }
 
-  add(thing) { this.things.push(thing); }
+  add(thing) {
+    this.things.push(thing);
+  }
 
   /** Puts the camera so that all these points are seen. */
   frame(points) {
-    const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k]))), high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
+    const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k]))),
+      high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
     const radius = Math.max(0.2, Math.hypot(...vec.sub(high, low)) / 2);
-    this.camera = new OrbitCamera(low.map((v, k) => (v + high[k]) / 2), radius);
+    this.camera = new OrbitCamera(
+      low.map((v, k) => (v + high[k]) / 2),
+      radius,
+    );
     this.floor = { low, high };
     this.fit(points);
   }
 
   // Home: the picture of the points in the middle of the canvas, below a tool bar that lies on it, as large as it goes.
   fit(points) {
-    const width = this.canvas.clientWidth || 800, height = this.canvas.clientHeight || 500, margin = 28;
+    const width = this.canvas.clientWidth || 800,
+      height = this.canvas.clientHeight || 500,
+      margin = 28;
     const bar = this.canvas.parentElement && this.canvas.parentElement.querySelector(".tools");
     const top = bar ? Math.max(margin, bar.offsetTop + bar.offsetHeight - this.canvas.offsetTop + 12) : margin;
     for (let round = 0; round < 6; ++round) {
-      const at = points.map(this.camera.projector(width, height)), xs = at.map((p) => p[0]), ys = at.map((p) => p[1]);
-      const left = Math.min(...xs), right = Math.max(...xs), up = Math.min(...ys), down = Math.max(...ys);
-      this.camera.pan(width / 2 - (left + right) / 2, (top + height - margin) / 2 - (up + down) / 2, this.camera.focal(width, height));
+      const at = points.map(this.camera.projector(width, height)),
+        xs = at.map((p) => p[0]),
+        ys = at.map((p) => p[1]);
+      const left = Math.min(...xs),
+        right = Math.max(...xs),
+        up = Math.min(...ys),
+        down = Math.max(...ys);
+      this.camera.pan(
+        width / 2 - (left + right) / 2,
+        (top + height - margin) / 2 - (up + down) / 2,
+        this.camera.focal(width, height),
+      );
       this.camera.zoom(Math.max((right - left) / (width - 2 * margin), (down - up) / (height - top - margin)));
     }
     this.camera.keepHome();
@@ -74,11 +98,16 @@ class Scene {
   schedule() {
     if (this.pending) return;
     this.pending = true;
-    requestAnimationFrame(() => { this.pending = false; this.draw(); });
+    requestAnimationFrame(() => {
+      this.pending = false;
+      this.draw();
+    });
   }
 
   draw() {
-    const ratio = window.devicePixelRatio || 1, width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    const ratio = window.devicePixelRatio || 1,
+      width = this.canvas.clientWidth,
+      height = this.canvas.clientHeight;
     if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
@@ -96,14 +125,15 @@ class Scene {
     this.labels = [];
     for (const { thing } of seen) this.paint(g, thing);
     paintLabels(this, g, this.labels);
-    if (this.chosen !== null) this.things.filter((t) => t.key === this.chosen && !this.hidden.has(t.layer)).forEach((t) => this.paintChosen(g, t));
+    if (this.chosen !== null)
+      this.things.filter((t) => t.key === this.chosen && !this.hidden.has(t.layer)).forEach((t) => this.paintChosen(g, t));
     this.drawAxes(g, height);
   }
 
   depthOf(thing) {
-    if (thing.kind === "polygon") return 1e6 + this.project(thing.points[0])[2];  // walls are behind what hangs on them
+    if (thing.kind === "polygon") return 1e6 + this.project(thing.points[0])[2]; // walls are behind what hangs on them
     if (thing.kind === "label") return -1e6;
-    if (thing.kind === "cloud") return 5e5;  // before the walls, behind all else
+    if (thing.kind === "cloud") return 5e5; // before the walls, behind all else
     const points = thing.points || [thing.at];
     return points.reduce((sum, p) => sum + this.project(p)[2], 0) / points.length;
   }
@@ -125,8 +155,13 @@ class Scene {
     let started = false;
     for (const point of points) {
       const [x, y, depth] = this.project(point);
-      if (depth <= 0.01) { if (close) return false; started = false; continue; }
-      if (started) g.lineTo(x, y); else g.moveTo(x, y);
+      if (depth <= 0.01) {
+        if (close) return false;
+        started = false;
+        continue;
+      }
+      if (started) g.lineTo(x, y);
+      else g.moveTo(x, y);
       started = true;
     }
     if (close) g.closePath();
@@ -137,7 +172,10 @@ class Scene {
     const away = vec.dot(thing.normal, vec.sub(this.eye, thing.points[0])) < 0;
     if (!this.trace(g, thing.points, true)) return;
     const rgb = this.colour("--plane");
-    if (!away) { g.fillStyle = `rgba(${rgb}, 0.10)`; g.fill(); }
+    if (!away) {
+      g.fillStyle = `rgba(${rgb}, 0.10)`;
+      g.fill();
+    }
     g.strokeStyle = `rgba(${rgb}, ${away ? 0.22 : 0.55})`;
     g.lineWidth = 1;
     g.stroke();
@@ -155,7 +193,9 @@ class Scene {
 
   rim(thing) {
     if (!thing.rimPoints) {
-      const n = vec.unit(thing.normal), u = vec.unit(vec.cross(n, Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), v = vec.cross(n, u);
+      const n = vec.unit(thing.normal),
+        u = vec.unit(vec.cross(n, Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])),
+        v = vec.cross(n, u);
       thing.rimPoints = [...Array(24).keys()].map((i) => {
         const a = (i * Math.PI) / 12;
         return vec.add(vec.add(thing.at, u, thing.radius * Math.cos(a)), v, thing.radius * Math.sin(a));
@@ -167,7 +207,7 @@ class Scene {
   paintDisc(g, thing, colour) {
     if (!this.trace(g, this.rim(thing), true)) return;
     const front = vec.dot(thing.normal, vec.sub(this.eye, thing.at)) > 0;
-    g.globalAlpha = front ? 1 : 0.16;  // seen through the wall it hangs on
+    g.globalAlpha = front ? 1 : 0.16; // seen through the wall it hangs on
     g.fillStyle = colour;
     g.fill();
     g.globalAlpha = 1;
@@ -175,8 +215,12 @@ class Scene {
     if (depth <= 0.01) return;
     if (front && thing.stem && !this.hidden.has("normals")) {
       const [ex, ey] = this.project(vec.add(thing.at, thing.normal, thing.stem));
-      g.beginPath(); g.moveTo(x, y); g.lineTo(ex, ey);
-      g.strokeStyle = colour; g.lineWidth = 1.1; g.stroke();
+      g.beginPath();
+      g.moveTo(x, y);
+      g.lineTo(ex, ey);
+      g.strokeStyle = colour;
+      g.lineWidth = 1.1;
+      g.stroke();
     }
     if (front) this.targets.push({ x, y, depth, thing });
   }
@@ -195,20 +239,36 @@ class Scene {
 
   // Points of a surface that is seen from behind are left out, as its wall is. No array a point: there are ten thousands.
   paintCloud(g, { points_mm, face, normals, bins, size = 2 }) {
-    const { right, up, back } = this.camera.axes(), [cx, cy, cz] = this.camera.centre, eye = this.eye;
-    const width = this.canvas.clientWidth, height = this.canvas.clientHeight, focal = this.camera.focal(width, height);
-    const turns = 8;  // a part of every colour in turn: the last one painted would hide the others
+    const { right, up, back } = this.camera.axes(),
+      [cx, cy, cz] = this.camera.centre,
+      eye = this.eye;
+    const width = this.canvas.clientWidth,
+      height = this.canvas.clientHeight,
+      focal = this.camera.focal(width, height);
+    const turns = 8; // a part of every colour in turn: the last one painted would hide the others
     for (let turn = 0; turn < turns * bins.length; ++turn) {
-      const { colour, list } = bins[turn % bins.length], first = Math.floor(turn / bins.length);
+      const { colour, list } = bins[turn % bins.length],
+        first = Math.floor(turn / bins.length);
       g.fillStyle = colour;
       for (let j = first; j < list.length; j += turns) {
         const i = list[j];
-        const px = points_mm[3 * i] / 1000, py = points_mm[3 * i + 1] / 1000, pz = points_mm[3 * i + 2] / 1000, n = normals[face[i]];
+        const px = points_mm[3 * i] / 1000,
+          py = points_mm[3 * i + 1] / 1000,
+          pz = points_mm[3 * i + 2] / 1000,
+          n = normals[face[i]];
         if (n && n[0] * (eye[0] - px) + n[1] * (eye[1] - py) + n[2] * (eye[2] - pz) < 0) continue;
-        const x = px - cx, y = py - cy, z = pz - cz, depth = this.camera.distance - (x * back[0] + y * back[1] + z * back[2]);
+        const x = px - cx,
+          y = py - cy,
+          z = pz - cz,
+          depth = this.camera.distance - (x * back[0] + y * back[1] + z * back[2]);
         if (depth <= 0.01) continue;
         const scale = focal / depth;
-        g.fillRect(width / 2 + scale * (x * right[0] + y * right[1] + z * right[2]) - size / 2, height / 2 - scale * (x * up[0] + y * up[1] + z * up[2]) - size / 2, size, size);
+        g.fillRect(
+          width / 2 + scale * (x * right[0] + y * right[1] + z * right[2]) - size / 2,
+          height / 2 - scale * (x * up[0] + y * up[1] + z * up[2]) - size / 2,
+          size,
+          size,
+        );
       }
     }
   }
@@ -226,7 +286,10 @@ class Scene {
   paintChosen(g, thing) {
     const [x, y, depth] = this.project(thing.at);
     if (depth <= 0.01) return;
-    const size = Math.max(9, 1.5 * (this.camera.focal(this.canvas.clientWidth, this.canvas.clientHeight) * (thing.radius || 0.05)) / depth);
+    const size = Math.max(
+      9,
+      (1.5 * (this.camera.focal(this.canvas.clientWidth, this.canvas.clientHeight) * (thing.radius || 0.05))) / depth,
+    );
     g.beginPath();
     g.arc(x, y, size, 0, 2 * Math.PI);
     g.strokeStyle = this.ink;
@@ -237,23 +300,51 @@ class Scene {
   // A metre grid on the lowest level: gives the eye a floor and a measure.
   drawGrid(g) {
     if (!this.floor || this.hidden.has("grid")) return;
-    const { low, high } = this.floor, z = low[2];
-    const slack = 0.1, from = [Math.floor(low[0] + slack), Math.floor(low[1] + slack)], to = [Math.ceil(high[0] - slack), Math.ceil(high[1] - slack)];
+    const { low, high } = this.floor,
+      z = low[2];
+    const slack = 0.1,
+      from = [Math.floor(low[0] + slack), Math.floor(low[1] + slack)],
+      to = [Math.ceil(high[0] - slack), Math.ceil(high[1] - slack)];
     const step = Math.max(1, Math.ceil(Math.max(to[0] - from[0], to[1] - from[1]) / 40));
     g.strokeStyle = this.colour("--grid");
     g.lineWidth = 1;
-    for (let x = from[0]; x <= to[0]; x += step) { this.trace(g, [[x, from[1], z], [x, to[1], z]], false); g.stroke(); }
-    for (let y = from[1]; y <= to[1]; y += step) { this.trace(g, [[from[0], y, z], [to[0], y, z]], false); g.stroke(); }
+    for (let x = from[0]; x <= to[0]; x += step) {
+      this.trace(
+        g,
+        [
+          [x, from[1], z],
+          [x, to[1], z],
+        ],
+        false,
+      );
+      g.stroke();
+    }
+    for (let y = from[1]; y <= to[1]; y += step) {
+      this.trace(
+        g,
+        [
+          [from[0], y, z],
+          [to[0], y, z],
+        ],
+        false,
+      );
+      g.stroke();
+    }
   }
 
   drawAxes(g, height) {
-    const { right, up } = this.camera.axes(), at = [44, height - 58], names = ["x", "y", "z"];
+    const { right, up } = this.camera.axes(),
+      at = [44, height - 58],
+      names = ["x", "y", "z"];
     g.font = "11px system-ui, 'DejaVu Sans', sans-serif";
     g.fillStyle = g.strokeStyle = this.colour("--soft");
     g.lineWidth = 1.4;
     for (let k = 0; k < 3; ++k) {
       const tip = [at[0] + 22 * right[k], at[1] - 22 * up[k]];
-      g.beginPath(); g.moveTo(...at); g.lineTo(...tip); g.stroke();
+      g.beginPath();
+      g.moveTo(...at);
+      g.lineTo(...tip);
+      g.stroke();
       g.fillText(names[k], at[0] + 30 * right[k] - 3, at[1] - 30 * up[k] + 4);
     }
   }
@@ -263,73 +354,12 @@ class Scene {
     let best = null;
     for (const target of this.targets || []) {
       const away = Math.hypot(target.x - x, target.y - y);
-      const reach = Math.max(8, (this.camera.focal(this.canvas.clientWidth, this.canvas.clientHeight) * (target.thing.radius || 0)) / target.depth);
+      const reach = Math.max(
+        8,
+        (this.camera.focal(this.canvas.clientWidth, this.canvas.clientHeight) * (target.thing.radius || 0)) / target.depth,
+      );
       if (away <= reach && (!best || target.depth < best.depth)) best = target;
     }
     return best;
-  }
-
-  showTip(x, y) {
-    const target = this.pointers.size > 0 ? null : this.pick(x, y);
-    if (!this.tip) return;
-    this.tip.style.display = target && target.thing.tip ? "block" : "none";
-    if (!target || !target.thing.tip) return;
-    this.tip.textContent = typeof target.thing.tip === "function" ? target.thing.tip() : target.thing.tip;
-    this.tip.style.left = `${this.canvas.offsetLeft + Math.min(x + 14, this.canvas.clientWidth - this.tip.offsetWidth - 8)}px`;
-    this.tip.style.top = `${this.canvas.offsetTop + Math.min(y + 14, this.canvas.clientHeight - this.tip.offsetHeight - 8)}px`;
-  }
-
-  listen() {
-    const c = this.canvas, focal = () => this.camera.focal(c.clientWidth, c.clientHeight);
-    c.addEventListener("pointerdown", (e) => {
-      c.setPointerCapture(e.pointerId);
-      this.pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
-      this.travelled = 0;
-      c.focus({ preventScroll: true });
-    });
-    c.addEventListener("pointermove", (e) => {
-      const last = this.pointers.get(e.pointerId);
-      if (!last) return this.showTip(e.offsetX, e.offsetY);
-      const dx = e.offsetX - last[0], dy = e.offsetY - last[1], before = this.spread();
-      this.pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
-      this.travelled += Math.hypot(dx, dy);
-      if (this.pointers.size > 1) {  // two fingers: pinch and move
-        const after = this.spread();
-        if (before > 0 && after > 0) this.camera.zoom(before / after);
-        this.camera.pan(dx / 2, dy / 2, focal());
-      } else if (e.shiftKey || e.buttons & 6) this.camera.pan(dx, dy, focal());
-      else this.camera.turn(-dx * 0.007, dy * 0.007);
-      this.schedule();
-    });
-    const release = (e) => {
-      if (!this.pointers.delete(e.pointerId) || this.travelled > 4 || e.type !== "pointerup") return;
-      const target = this.pick(e.offsetX, e.offsetY);
-      this.onPick(target ? target.thing.key : null);
-    };
-    c.addEventListener("pointerup", release);
-    c.addEventListener("pointercancel", release);
-    c.addEventListener("pointerleave", () => { if (this.tip) this.tip.style.display = "none"; });
-    c.addEventListener("contextmenu", (e) => e.preventDefault());
-    c.addEventListener("wheel", (e) => { e.preventDefault(); this.camera.zoom(Math.exp(Math.sign(e.deltaY) * Math.min(120, Math.abs(e.deltaY)) * 0.0012)); this.schedule(); }, { passive: false });
-    c.addEventListener("keydown", (e) => this.key(e, focal()));
-    new ResizeObserver(() => this.schedule()).observe(c);
-    document.addEventListener("themechange", () => { this.colours = {}; this.schedule(); });
-  }
-
-  spread() {
-    const [a, b] = [...this.pointers.values()];
-    return b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 0;
-  }
-
-  key(e, focal) {
-    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
-    if (step && e.shiftKey) this.camera.pan(20 * step[0], 20 * step[1], focal);
-    else if (step) this.camera.turn(0.09 * step[0], -0.09 * step[1]);
-    else if (e.key === "+" || e.key === "=") this.camera.zoom(0.88);
-    else if (e.key === "-") this.camera.zoom(1 / 0.88);
-    else if (e.key === "Home" || e.key === "0") this.camera.reset();
-    else return;
-    e.preventDefault();
-    this.schedule();
   }
 }
