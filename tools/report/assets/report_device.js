@@ -3,7 +3,7 @@
 // The device close up: sensors where they were found, and how far each may be off, as ellipsoids enlarged by a factor.
 
 const ellipsoidShare = 0.13,
-  neighbourShare = 0.4; // of a kind's largest in the picture, and of the way to the next sensor: seen, and not in the way
+  neighbourShare = 0.55; // of a kind's largest in the picture, and of the way to the next sensor: seen, and not in the way
 
 /** Eigenvalues and vectors (rows) of a symmetric 3 x 3 matrix, by Jacobi rotations. */
 function eigen3(symmetric) {
