@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -59,9 +60,10 @@ class UdpPeer {
 inline std::vector<std::byte> acknowledge(std::span<const std::byte> command, uint16_t status,
                                           std::span<const std::byte> payload = {}) {
   const auto low = [](std::size_t value) { return static_cast<std::byte>(value & 0xFF); };
-  std::vector<std::byte> ack{low(status >> 8U),         low(status),         command[2], command[3] | std::byte{1},
-                             low(payload.size() >> 8U), low(payload.size()), command[6], command[7]};
-  ack.insert(ack.end(), payload.begin(), payload.end());
+  const std::array head{low(status >> 8U),         low(status),         command[2], command[3] | std::byte{1},
+                        low(payload.size() >> 8U), low(payload.size()), command[6], command[7]};
+  std::vector<std::byte> ack(head.size() + payload.size());
+  std::copy(payload.begin(), payload.end(), std::copy(head.begin(), head.end(), ack.begin()));
   return ack;
 }
 
