@@ -36,8 +36,8 @@ class BoardFolder {
 
   std::filesystem::path path_;
   tools::Scene scene_;
-  tools::Stand stand_;
   tools::ShotOptions options_;
+  tools::Stand stand_;
   profile::Profile profile_;
 };
 
