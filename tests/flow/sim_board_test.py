@@ -6,6 +6,7 @@ exports, restores the factory record; presses during a run; floods the console; 
 """
 
 import json
+import os
 import pathlib
 import sys
 import tempfile
@@ -175,7 +176,9 @@ def flood(board, truth):
 def figures(board):
     memory = board.data("mem")
     faults = {name: (t["minor_faults"], t["major_faults"]) for name, t in memory["threads"].items()}
-    expect(all(f == (0, 0) for f in faults.values()) or not memory["locked"], f"page faults after arming: {faults}")
+    # A sanitizer's shadow of the memory is not locked, and has faults of its own.
+    watched = memory["locked"] and "ROOMCAL_SANITIZED" not in os.environ
+    expect(all(f == (0, 0) for f in faults.values()) or not watched, f"page faults after arming: {faults}")
     expect(all(a["refusals"] == 0 for a in memory["arenas"].values()), "an arena refused")
     print(f"  {memory['reserved_bytes'] / 2**20:.1f} MiB in all, no page fault, no refusal")
 
