@@ -5,25 +5,10 @@ usage: map_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]; exit status 77, the re
 """
 
 import json
-import pathlib
-import subprocess
-import sys
-import tempfile
-import unittest
 
-from browser import Browser, find_chromium
+from page_case import EVIL, PageCase, main, run_tool
 
-ROOMCAL = pathlib.Path(sys.argv[1])
-PICTURES = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
 COUNT = 60
-EVIL = "lab </script><b>x</b> {{data}}"
-
-
-def run_tool(*arguments, expected=0):
-    done = subprocess.run([str(ROOMCAL), *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
-    if done.returncode != expected:
-        raise AssertionError(f"{arguments}: exit {done.returncode}: {done.stdout}{done.stderr}")
-    return done.stdout + done.stderr
 
 
 def markers_csv():
@@ -45,31 +30,18 @@ def bake_json():
             "error_mm": {"expected_rms": 1.0, "held_out_rms": 1.2}, "reprojection": {"median_px": [0.1, 0.12]}}
 
 
-class MapPage(unittest.TestCase):
+class MapPage(PageCase):
     @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
+    def make_pages(cls):
         csv, room, bake = (cls.folder / n for n in ("m.csv", "m.room", "bake.json"))
         csv.write_text(markers_csv())
         bake.write_text(json.dumps(bake_json()))
         run_tool("map", "import", csv, "-o", room, "--sigma", "0.002", "--id", EVIL)
         run_tool("map", "info", room, "--report", cls.folder / "map.html")
         run_tool("map", "info", room, "--report", cls.folder / "bake.html", "--bake-json", bake)
-        cls.browser = Browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.temporary.cleanup()
-
-    def tearDown(self):
-        self.assertEqual(self.browser.complaints(), [])
 
     def open(self, name="bake.html"):
-        self.browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
-        self.browser.open((self.folder / name).as_uri())
-        self.browser.wait("window.roomcal !== undefined")
+        self.show(name, "light")
         self.browser.settle()
         box = self.browser.run("(() => { const b = document.querySelector('canvas').getBoundingClientRect();"
                                " return [b.x, b.y, b.width, b.height]; })()")
@@ -80,11 +52,6 @@ class MapPage(unittest.TestCase):
 
     def picture(self):
         return self.browser.run("document.querySelector('canvas').toDataURL()")
-
-    def keep(self, name):
-        if PICTURES:
-            PICTURES.mkdir(parents=True, exist_ok=True)
-            (PICTURES / name).write_bytes(self.browser.screenshot())
 
     def column(self, index):
         return self.browser.run(f"[...roomcal.table.body.rows].map((r) => Number(r.cells[{index}].textContent))")
@@ -223,7 +190,4 @@ class MapPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if find_chromium() is None:
-        print("skipped: no Chromium; install it with tools/setup --tests")
-        sys.exit(77)
-    unittest.main(argv=[sys.argv[0]], verbosity=2)
+    main()

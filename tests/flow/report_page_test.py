@@ -5,27 +5,12 @@ usage: report_page_test.py ROOMCAL [FOLDER FOR SCREENSHOTS]; exit status 77, the
 """
 
 import json
-import pathlib
 import re
-import subprocess
-import sys
-import tempfile
-import unittest
 
-from browser import Browser, find_chromium
+from page_case import EVIL, PageCase, main, run_tool
 
-ROOMCAL = pathlib.Path(sys.argv[1])
-PICTURES = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
 SENSORS = ["cam0", "cam1", "cam2", "cam3", "lidar0"]
-EVIL = "lab </script><b>x</b> {{data}}"
 VIEWS = "[...document.querySelectorAll('.view canvas')]"
-
-
-def run_tool(*arguments, expected=0):
-    done = subprocess.run([str(ROOMCAL), *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
-    if done.returncode != expected:
-        raise AssertionError(f"{arguments}: exit {done.returncode}: {done.stdout}{done.stderr}")
-    return done.stdout + done.stderr
 
 
 def make_pages(folder):
@@ -47,23 +32,12 @@ def make_pages(folder):
     return json.loads(result.read_text())
 
 
-class ReportPage(unittest.TestCase):
+class ReportPage(PageCase):
     unchanged = None
 
     @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
+    def make_pages(cls):
         cls.result = make_pages(cls.folder)
-        cls.browser = Browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.temporary.cleanup()
-
-    def tearDown(self):
-        self.assertEqual(self.browser.complaints(), [])
 
     def open(self, name="whole.html", theme="light", width=1280, to_change=False):
         """Opens a page, or stays on it where nobody has changed it since."""
@@ -71,10 +45,8 @@ class ReportPage(unittest.TestCase):
         if page == ReportPage.unchanged and not to_change:
             return
         ReportPage.unchanged = None if to_change else page
-        self.browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
         self.browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
-        self.browser.open((self.folder / name).as_uri())
-        self.browser.wait("window.roomcal !== undefined")
+        self.show(name, theme)
         self.browser.wait("roomcal.pictureViews.every((view) => !view.image || view.ready)")
         self.browser.settle()
 
@@ -86,11 +58,6 @@ class ReportPage(unittest.TestCase):
         return self.browser.run(
             f"(() => {{ const c = document.querySelector('{selector}'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data,"
             " s = new Set(); for (let i = 0; i < d.length; i += 4) s.add(d[i] << 16 | d[i + 1] << 8 | d[i + 2]); return s.size; })()")
-
-    def keep(self, name):
-        if PICTURES:
-            PICTURES.mkdir(parents=True, exist_ok=True)
-            (PICTURES / name).write_bytes(self.browser.screenshot())
 
     def heading(self, text):
         return self.browser.run(f"[...document.querySelectorAll('h2')].some((h) => h.textContent === '{text}')")
@@ -223,7 +190,4 @@ class ReportPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if find_chromium() is None:
-        print("skipped: no Chromium; install it with tools/setup --tests")
-        sys.exit(77)
-    unittest.main(argv=[sys.argv[0]], verbosity=2)
+    main()
