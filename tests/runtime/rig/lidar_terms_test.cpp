@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "tests/runtime/rig/lidar_gradient.h"
 #include "tests/runtime/rig/shot.h"
 
 namespace roomcal::rig {
@@ -71,14 +72,7 @@ TEST(LidarTerms, Gradient_IsHalfTheDerivativeOfTheCost) {
   add_lidars(problem, equations);
   for (std::size_t k = 0; k < 30; ++k) {
     if (k >= 6 && k < 24) continue;  // other cameras take no part
-    const auto cost_at = [&](double move) {
-      Vec6 xi = Vec6::Zero();
-      xi[static_cast<Eigen::Index>(k % 6)] = move;
-      for (std::size_t s = 0; s < 5; ++s)
-        problem.trial.T_room_sensor[s] = problem.state.T_room_sensor[s] * se3_exp(s == k / 6 ? xi : Vec6::Zero());
-      return lidar_cost(problem, problem.trial);
-    };
-    const double numeric = (cost_at(1e-6) - cost_at(-1e-6)) / 2e-6;
+    const double numeric = test::lidar_cost_derivative(problem, 5, k);
     EXPECT_NEAR(2 * equations.gradient[k], numeric, 1e-6 * std::abs(numeric) + 1e-2) << k;
   }
 }

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/rig/lidar_terms.h"
+#include "tests/runtime/rig/lidar_gradient.h"
 #include "tests/runtime/rig/shot.h"
 
 namespace roomcal::rig {
@@ -197,14 +198,7 @@ TEST(PlaneTerms, GradientOfTheLidarsTogether_IsHalfTheDerivativeOfTheirCost) {
     problem.state.T_room_sensor[l] = problem.state.T_room_sensor[l] * se3_exp(0.02 * random.normals<6>());
   add_lidars(problem, equations);
   for (std::size_t k = 18; k < 30; ++k) {
-    const auto cost_at = [&](double move) {
-      Vec6 xi = Vec6::Zero();
-      xi[static_cast<Eigen::Index>(k % 6)] = move;
-      for (std::size_t s = 0; s < 5; ++s)
-        problem.trial.T_room_sensor[s] = problem.state.T_room_sensor[s] * se3_exp(s == k / 6 ? xi : Vec6::Zero());
-      return lidar_cost(problem, problem.trial);
-    };
-    const double numeric = (cost_at(1e-6) - cost_at(-1e-6)) / 2e-6;
+    const double numeric = test::lidar_cost_derivative(problem, 5, k);
     EXPECT_NEAR(2 * equations.gradient[k], numeric, 1e-5 * std::abs(numeric) + 1e-2) << k;
   }
 }
