@@ -16,6 +16,7 @@ import time
 import tty
 
 PRESS = pathlib.Path(__file__).resolve().parents[2] / "board" / "sim" / "press"
+PATIENCE_S = 120  # for anything that is sure to come: a loaded machine with sanitizers needs tens of seconds
 SIMULATED = {"sim": "mobile_robot", "mobile_robot": "mobile_robot", "backpack": "backpack", "stereo_rig": "stereo_rig",
              "tls": "tls"}
 
@@ -93,7 +94,7 @@ class Roomcald:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
-    def end(self, timeout=20):
+    def end(self, timeout=PATIENCE_S):
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(timeout)
 
@@ -109,7 +110,7 @@ class Roomcald:
             expect(ready, "the console takes no more bytes")
             sent += os.write(self.master, data[sent:sent + 512])
 
-    def line(self, timeout=10):
+    def line(self, timeout=PATIENCE_S):
         """The next whole line of output."""
         end = time.monotonic() + timeout
         while b"\n" not in self.text:
@@ -119,7 +120,7 @@ class Roomcald:
         first, self.text = self.text.split(b"\n", 1)
         return first.decode(errors="replace").strip("\r")
 
-    def ask(self, command, *arguments, timeout=10):
+    def ask(self, command, *arguments, timeout=PATIENCE_S):
         """One JSON request to its answer; events on the way are dropped."""
         self.next_id += 1
         request = {"cmd": command, "id": self.next_id}
@@ -133,7 +134,7 @@ class Roomcald:
                 return answer
         raise Failure(f"{command}: no answer")
 
-    def json_line(self, timeout=10):
+    def json_line(self, timeout=PATIENCE_S):
         end = time.monotonic() + timeout
         while True:
             text = self.line(max(0.1, end - time.monotonic()))
@@ -150,7 +151,7 @@ class Roomcald:
         expect(answer.get("ok"), f"{command}: {answer}")
         return answer["data"]
 
-    def event(self, name, timeout=30):
+    def event(self, name, timeout=PATIENCE_S):
         end = time.monotonic() + timeout
         while time.monotonic() < end:
             line = self.json_line(end - time.monotonic())
@@ -158,7 +159,7 @@ class Roomcald:
                 return line["data"]
         raise Failure(f"no event {name}")
 
-    def wait_armed(self, timeout=20):
+    def wait_armed(self, timeout=PATIENCE_S):
         end = time.monotonic() + timeout
         while time.monotonic() < end:
             if "armed" in self.log.read_text() and self.ask("status")["ok"]:

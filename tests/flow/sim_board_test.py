@@ -69,7 +69,7 @@ def calibrate_by_button(board, truth):
     pressing.start()
     seen, percents = [], []
     while True:
-        line = board.json_line(30)
+        line = board.json_line()
         if line.get("ev") == "progress":
             seen.append(line["data"]["state"])
             percents.append(line["data"]["percent"])
@@ -125,7 +125,7 @@ def story(board, truth):
     expect(records[0]["action"] == "factory-restored", f"restored: {records[0]}")
 
 
-def wait_for(read, holds, timeout=20):
+def wait_for(read, holds, timeout=device.PATIENCE_S):
     """What read() says once holds() is true of it, or at last."""
     end = time.monotonic() + timeout
     said = read()

@@ -48,7 +48,7 @@ def calibrate(board):
     board.raise_rights()
     started = board.ask("calibrate")
     expect(started["ok"], f"{started}")
-    board.event("result", 60)
+    board.event("result")
     return board.data("result")
 
 
@@ -178,7 +178,7 @@ def crashes(bench):
         with bench.board(folder) as board:
             board.wait_armed()
             board.process.send_signal(signal.SIGSEGV)
-            board.process.wait(10)
+            board.process.wait(device.PATIENCE_S)
             (folder / "roomcald.log").unlink()
     with bench.board(folder) as board:
         time.sleep(0.5)
