@@ -121,8 +121,7 @@ TEST_F(SweepTrayTest, TwoThreads_SweepsAreWholeWheneverTheyAreAskedFor) {
   int sweeps = 0;
   for (int i = 0; i < 50; ++i) {
     tray_.ask(2);
-    for (int wait = 0; wait < i && !tray_.full(); ++wait)
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    for (int wait = 0; wait < i && !tray_.full(); ++wait) std::this_thread::sleep_for(std::chrono::microseconds(200));
     while (!tray_.stop()) std::this_thread::yield();
     for (const lidar::Sweep& sweep : tray_.sweeps()) {
       EXPECT_GT(sweep.points.size(), 28'000U);
