@@ -15,7 +15,6 @@ namespace roomcal::tools {
 
 namespace {
 
-constexpr double kSigma_px = 0.03;  // of a ring centre, per axis: what the detector reaches on 40 px markers
 constexpr double kMinDiameter_px = 15, kMaxSlant_deg = 65;
 constexpr double kMountSigma_t_m = 0.008, kMountSigma_rot_deg = 1;
 
@@ -32,14 +31,6 @@ SE3 disturbed(const SE3& T, Random& random) {
   return T * se3_exp(xi);
 }
 
-/// A lens as its own calibration left it.
-camera::Camera given_lens(const camera::Camera& truth, const camera::IntrinsicsSigma& sigma, Random& random) {
-  camera::Parameters off = camera::parameter_sigmas(truth, sigma);
-  for (Eigen::Index k = 0; k < off.size(); ++k) off[k] *= random.normal();
-  const camera::Intrinsics& k = truth.intrinsics();
-  return camera::Camera::create(camera::with_parameters(k, camera::parameters_of(k) + off)).value();
-}
-
 Scene trust_scene(uint64_t seed, bool pillar) {
   RoomOptions options;
   options.seed = seed;
@@ -48,6 +39,13 @@ Scene trust_scene(uint64_t seed, bool pillar) {
 }
 
 }  // namespace
+
+camera::Camera given_lens(const camera::Camera& truth, const camera::IntrinsicsSigma& sigma, Random& random) {
+  camera::Parameters off = camera::parameter_sigmas(truth, sigma);
+  for (Eigen::Index k = 0; k < off.size(); ++k) off[k] *= random.normal();
+  const camera::Intrinsics& k = truth.intrinsics();
+  return camera::Camera::create(camera::with_parameters(k, camera::parameters_of(k) + off)).value();
+}
 
 TrustRoom::TrustRoom(uint64_t seed, bool pillar)
     : scene_(std::make_unique<Scene>(trust_scene(seed, pillar))),
@@ -101,13 +99,13 @@ SE3 place_trust_device(const TrustRoom& room, uint64_t seed) {
 }
 
 std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
-                                         Random& random) {
+                                         Random& random, double typical_sigma_px) {
   std::vector<marker::Detection> rings;
   for (const MarkerTruth& seen : project_markers(room.scene(), camera, T_room_cam)) {
     if (seen.visible < 0.999 || seen.outer.major_px < kMinDiameter_px || rad_to_deg(seen.slant_rad) > kMaxSlant_deg)
       continue;
     marker::Detection ring;
-    const double sigma_px = kSigma_px * random.uniform(0.7, 1.5);
+    const double sigma_px = typical_sigma_px * random.uniform(0.7, 1.5);
     ring.centre_px = seen.uv_px + sigma_px * Vec2(random.normal(), random.normal());
     ring.cov_px2 = sigma_px * sigma_px * Mat22::Identity();
     ring.ellipse = {seen.outer.centre_px, seen.outer.major_px, seen.outer.minor_px, seen.outer.angle_rad};
@@ -143,10 +141,16 @@ TrustSession::TrustSession(const calib::Device& device, const MapData& data)
       block_(plan_.total_bytes()),
       arenas_(std::move(Arenas::carve(block_, plan_.permanent_bytes, plan_.scratch_bytes)).value()),
       index_(map::TriangleIndex::build(map_.map, arenas_.permanent).value()),
-      session_{.device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_} {
-  const Result<scan::Surface> surface = scan::Surface::build(map_.map, {}, arenas_.permanent, arenas_.scratch);
-  require(surface.status(), "simulated room");
-  surface_ = surface.value();
+      session_{.device = device_,
+               .map = map_.map,
+               .index = index_,
+               .limits = {},
+               .surface = device.lidars.empty() ? nullptr : &surface_} {
+  if (!device.lidars.empty()) {
+    const Result<scan::Surface> surface = scan::Surface::build(map_.map, {}, arenas_.permanent, arenas_.scratch);
+    require(surface.status(), "simulated room");
+    surface_ = surface.value();
+  }
   arenas_.permanent.seal();
 }
 
@@ -156,8 +160,12 @@ TrustShotView::TrustShotView(TrustShot& shot) : rings_(shot.rings.begin(), shot.
 }
 
 calib::Session TrustSession::session(const store::Record* installed) const {
-  return {
-      .device = device_, .map = map_.map, .index = index_, .limits = {}, .surface = &surface_, .installed = installed};
+  return {.device = device_,
+          .map = map_.map,
+          .index = index_,
+          .limits = {},
+          .surface = device_.lidars.empty() ? nullptr : &surface_,
+          .installed = installed};
 }
 
 Status TrustSession::calibrate(const calib::DetectedShot& shot, const store::Record* installed,

@@ -55,9 +55,13 @@ struct TrustFlaws {
 };
 TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, const SE3& T_room_rig,
                           const TrustFlaws& flaws, Random& random);
-/// Rings of one camera only.
+/// Of a ring centre, per axis: what the detector reaches on markers of 40 px.
+inline constexpr double kRingSigma_px = 0.03;
+/// Rings of one camera only. @param typical_sigma_px  each ring has 0.7 to 1.5 of it and says so
 std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
-                                         Random& random);
+                                         Random& random, double typical_sigma_px = kRingSigma_px);
+/// A lens as its own calibration left it.
+camera::Camera given_lens(const camera::Camera& truth, const camera::IntrinsicsSigma& sigma, Random& random);
 
 /// The runtime's view of a shot, which must outlive it.
 class TrustShotView {

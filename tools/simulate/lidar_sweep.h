@@ -45,6 +45,7 @@ class SweepSimulator {
 
   /// @throws ToolError for a table without beams or columns.
   SimulatedSweep sweep(const BeamTable& beams, const SweepFlaws& flaws, const SE3& T_room_lidar, uint64_t seed) const;
+  const EchoCaster& caster() const { return caster_; }
 
  private:
   EchoCaster caster_;

@@ -39,11 +39,15 @@ void write_picture(const Picture& picture, const std::string& camera, const Pict
   }
 }
 
-void write_shot_facts(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options,
-                      const std::filesystem::path& folder) {
+std::string camchain_text(const Stand& stand) {
   std::string camchain;
   for (const TrueCamera& camera : stand.cameras) camchain += kalibr_camera(camera);
-  write_atomic(folder / "camchain.yaml", camchain);
+  return camchain;
+}
+
+void write_shot_facts(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options,
+                      const std::filesystem::path& folder) {
+  write_atomic(folder / "camchain.yaml", camchain_text(stand));
   write_atomic(folder / "nominal.json", nominal_json(stand, options).dump(1) + "\n");
   write_atomic(folder / "truth.json", truth_json(scene, stand, facts, options).dump(1) + "\n");
 }

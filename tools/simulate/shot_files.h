@@ -20,6 +20,9 @@ struct PictureFormat {
 void write_picture(const Picture& picture, const std::string& camera, const PictureFormat& format,
                    const std::filesystem::path& folder);
 
+/// The cameras' intrinsics as Kalibr writes them.
+std::string camchain_text(const Stand& stand);
+
 /// camchain.yaml (Kalibr, intrinsics only), nominal.json (mounting by the drawing), truth.json (all that is true).
 /// @throws ToolError naming the path.
 void write_shot_facts(const Scene& scene, const Stand& stand, const ShotFacts& facts, const ShotOptions& options,
