@@ -3,6 +3,7 @@
 #include "tools/evaluate/anchor_room.h"
 #include "tools/evaluate/detector_command.h"
 #include "tools/evaluate/lidar_command.h"
+#include "tools/evaluate/paper_command.h"
 #include "tools/evaluate/rings_command.h"
 #include "tools/evaluate/trust_command.h"
 
@@ -14,6 +15,7 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   add_evaluate_anchor_room(*evaluate, exit_code);
   add_evaluate_detector(*evaluate, exit_code);
   add_evaluate_lidar(*evaluate, exit_code);
+  add_evaluate_paper(*evaluate, exit_code);
   add_evaluate_rings(*evaluate);
   add_evaluate_trust(*evaluate, exit_code);
 }
