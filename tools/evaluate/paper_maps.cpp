@@ -60,7 +60,7 @@ StereoRig given_rig(StereoRig rig, Random& random) {
   for (camera::Camera& camera : rig.cameras)
     camera = given_lens(camera, camera::usual_sigma(camera.intrinsics()), random);
   rig.T_right_left.t *= 1 + kBaselineSigma * random.normal();
-  const Vec3 turn(random.normal(), random.normal(), random.normal());
+  const Vec3 turn{random.normal(), random.normal(), random.normal()};
   rig.T_right_left.R = so3_exp(kPairSigma_rad * turn) * rig.T_right_left.R;
   return rig;
 }

@@ -19,7 +19,10 @@ MapData with_noise(MapData data, double sigma_m, uint64_t seed, bool declared) {
 }  // namespace
 
 PaperRooms::PaperRooms(int count) {
-  for (int i = 0; i < count; ++i) rooms_.emplace_back(static_cast<uint64_t>(i) + 1);
+  rooms_.resize(static_cast<std::size_t>(count));
+  parallel_for(count, [&](int i) {
+    rooms_[static_cast<std::size_t>(i)] = std::make_unique<TrustRoom>(static_cast<uint64_t>(i) + 1);
+  });
 }
 
 std::vector<PaperTrial> run_paper_trials(const PaperRooms& rooms, const std::string& device, int count,

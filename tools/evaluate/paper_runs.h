@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,19 +11,21 @@ namespace roomcal::tools {
 
 /// How much is done.
 struct PaperOptions {
-  int rooms = 8;    ///< that shots are spread over
-  int shots = 200;  ///< of each row
-  int pairs = 300;  ///< of a survey
+  int rooms = 8;     ///< that shots are spread over
+  int shots = 200;   ///< of each row, at the level of observations
+  int pairs = 300;   ///< of stereo images in a survey
+  int rendered = 3;  ///< shots of each device through pictures
+  int markers = 12;  ///< places where rings and AprilTags are compared
 };
 
 /// Rooms that shots are spread over: made once.
 class PaperRooms {
  public:
   explicit PaperRooms(int count);
-  const TrustRoom& of(uint64_t shot) const { return rooms_[shot % rooms_.size()]; }
+  const TrustRoom& of(uint64_t shot) const { return *rooms_[shot % rooms_.size()]; }
 
  private:
-  std::vector<TrustRoom> rooms_;
+  std::vector<std::unique_ptr<TrustRoom>> rooms_;
 };
 
 /// Shots 1..count of a device, each in its room, on all cores; the same on every machine.

@@ -174,6 +174,11 @@ Status TrustSession::calibrate(const calib::DetectedShot& shot, const store::Rec
   return calib::calibrate(session(installed), shot, SteadyClock(), arenas_, *outcome_, observer);
 }
 
+Status TrustSession::calibrate(const calib::Shot& shot) {
+  arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
+  return calib::calibrate(session(nullptr), shot, SteadyClock(), arenas_, *outcome_);
+}
+
 const calib::Outcome& TrustSession::run(TrustShot& shot, const store::Record* installed) {
   const TrustShotView view(shot);
   require(calibrate(view.shot(), installed), "simulated shot");

@@ -86,6 +86,8 @@ class TrustSession {
   /// calibrate() and nothing else: no heap call.
   Status calibrate(const calib::DetectedShot& shot, const store::Record* installed,
                    calib::Observer* observer = nullptr);
+  /// The same from pictures.
+  Status calibrate(const calib::Shot& shot);
   const calib::Outcome& outcome() const { return *outcome_; }
   /// What shots are calibrated with.
   const calib::Session& session() const { return session_; }

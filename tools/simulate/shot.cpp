@@ -2,16 +2,21 @@
 
 namespace roomcal::tools {
 
-Exposed expose_camera(const LitScene& lit, const TrueCamera& camera, const ShotOptions& options) {
+Exposed expose_view(const Radiance& view, double paper_radiance, const TrueCamera& camera, const ShotOptions& options) {
   const camera::Intrinsics& lens = camera.camera.intrinsics();
-  const RoomView view(lit, camera.camera, camera.T_room_cam);
   const Blur blur{options.blur_px, options.motion_px, options.defocus_px};
   const RadianceImage radiance = integrate(view, lens.width_px, lens.height_px, blur);
   Exposed exposed;
-  exposed.sensor.grey_per_radiance = options.exposure * 240 / view.paper_radiance_quantile(0.9);
+  exposed.sensor.grey_per_radiance = options.exposure * 240 / paper_radiance;
   exposed.sensor.noise_sigma = options.noise_sigma;
   exposed.sensor.vignetting = options.vignetting;
   exposed.grey = expose(radiance, exposed.sensor);
+  return exposed;
+}
+
+Exposed expose_camera(const LitScene& lit, const TrueCamera& camera, const ShotOptions& options) {
+  const RoomView view(lit, camera.camera, camera.T_room_cam);
+  Exposed exposed = expose_view(view, view.paper_radiance_quantile(kBrightPaper), camera, options);
   exposed.markers = project_markers(lit.scene(), camera.camera, camera.T_room_cam);
   return exposed;
 }

@@ -11,6 +11,9 @@
 
 namespace roomcal::tools {
 
+/// Share of the paper in a picture that is exposed below saturation.
+inline constexpr double kBrightPaper = 0.9;
+
 /// What one camera of a shot sees, before its noise.
 struct Exposed {
   RadianceImage grey;  ///< noise-free grey levels
@@ -24,6 +27,9 @@ struct Picture {
   ImageSensor sensor;
   std::vector<MarkerTruth> markers;
 };
+
+/// What a camera makes of any view. @param paper_radiance  of white paper in it. `markers` stays empty.
+Exposed expose_view(const Radiance& view, double paper_radiance, const TrueCamera& camera, const ShotOptions& options);
 
 /// Cost: about 0.7 s of one core per megapixel.
 Exposed expose_camera(const LitScene& lit, const TrueCamera& camera, const ShotOptions& options);
