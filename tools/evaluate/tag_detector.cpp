@@ -1,5 +1,6 @@
 #include "tools/evaluate/tag_detector.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include <apriltag/apriltag.h>
@@ -28,6 +29,13 @@ struct Finder {
   std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector{apriltag_detector_create()};
 };
 
+bool is_whole(const TagDetection& tag, const cv::Mat& image) {
+  constexpr double kBorder_px = 2;
+  const cv::Rect2d inside(kBorder_px, kBorder_px, image.cols - 1 - 2 * kBorder_px, image.rows - 1 - 2 * kBorder_px);
+  return std::all_of(tag.corners_px.begin(), tag.corners_px.end(),
+                     [&](const Vec2& px) { return inside.contains(cv::Point2d(px.x(), px.y())); });
+}
+
 }  // namespace
 
 bool has_tags() { return true; }
@@ -54,11 +62,12 @@ std::vector<TagDetection> find_tags(const cv::Mat& grey) {
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* tag = nullptr;
     zarray_get(found, i, &tag);
-    TagDetection& out = tags.emplace_back();
+    TagDetection out;
     out.id = tag->id;
     // Its pixel (0, 0) begins at (0, 0); ours has its centre there.
     for (std::size_t k = 0; k < out.corners_px.size(); ++k)
       out.corners_px[k] = Vec2(tag->p[k][0], tag->p[k][1]) - Vec2::Constant(0.5);
+    if (is_whole(out, grey)) tags.push_back(out);
   }
   apriltag_detections_destroy(found);
   return tags;

@@ -31,7 +31,8 @@ std::shared_ptr<const TagCells> tag_cells(int id);
 /// Corners of the square of half a side 1, x right and y up seen from the front.
 constexpr std::array<std::array<double, 2>, 4> kTagCorners = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
 
-/// All tags in an image: searched at full resolution, edges refined, one thread. Not for several threads at once.
+/// All whole tags in an image: searched at full resolution, edges refined, one thread. Not for several threads at once.
+/// One that the image's border cuts is left out: the library reads it still, and puts the lost corner onto the border.
 /// @throws ToolError without libapriltag.
 std::vector<TagDetection> find_tags(const cv::Mat& grey);
 

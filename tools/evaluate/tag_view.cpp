@@ -31,11 +31,20 @@ double ink_of(const TagCells& cells, const Vec2& at, const Vec2& size) {
   return ink / size.prod();
 }
 
+/// The sheet whose square lies nearest: sheets are close enough for a circle around one to reach into another's square.
 const Decal* sheet_at(const Plane& plane, const Vec2& q) {
-  constexpr double kHalfDiagonal = 1.6;  // sqrt(2), and a pixel beyond the corner
-  for (const Decal& decal : plane.decals)
-    if (is_sheet(decal) && (q - decal.centre).norm() < kHalfDiagonal * decal.radius_m) return &decal;
-  return nullptr;
+  constexpr double kReach = 1.2, kDiagonal = 1.7;  // of half a side: a pixel beyond the edge
+  const Decal* nearest = nullptr;
+  double nearest_sides = kReach;
+  for (const Decal& decal : plane.decals) {
+    if (!is_sheet(decal) || (q - decal.centre).norm() > kDiagonal * decal.radius_m) continue;
+    const Vec2 local = R_plane_sheet(decal).transpose() * (q - decal.centre);
+    const double sides = local.lpNorm<Eigen::Infinity>() / decal.radius_m;
+    if (sides >= nearest_sides) continue;
+    nearest_sides = sides;
+    nearest = &decal;
+  }
+  return nearest;
 }
 
 }  // namespace
