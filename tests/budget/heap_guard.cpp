@@ -1,5 +1,6 @@
 #include "tests/budget/heap_guard.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 
@@ -7,6 +8,9 @@ namespace {
 // Plain and trivially constructed: the allocator is called before any constructor has run.
 thread_local bool counting = false;
 thread_local std::size_t call_count = 0;
+thread_local bool outside = false;
+std::atomic<bool> counting_all{false};
+std::atomic<std::size_t> all_calls{0};
 }  // namespace
 
 #if !defined(__SANITIZE_ADDRESS__)  // a sanitizer that does not see all memory takes what it misses for leaks
@@ -22,6 +26,7 @@ void __libc_free(void* place);
 namespace {
 void count_call() {
   if (counting) ++call_count;
+  if (counting_all.load(std::memory_order_relaxed) && !outside) all_calls.fetch_add(1, std::memory_order_relaxed);
 }
 }  // namespace
 
@@ -71,5 +76,16 @@ HeapGuard::HeapGuard() {
 HeapGuard::~HeapGuard() { counting = false; }
 
 std::size_t HeapGuard::calls() const { return call_count; }
+
+ThreadsHeapGuard::ThreadsHeapGuard() {
+  all_calls = 0;
+  counting_all = true;
+}
+
+ThreadsHeapGuard::~ThreadsHeapGuard() { counting_all = false; }
+
+std::size_t ThreadsHeapGuard::calls() const { return all_calls; }
+
+void ThreadsHeapGuard::stand_outside() { outside = true; }
 
 }  // namespace roomcal::budget

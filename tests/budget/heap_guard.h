@@ -18,4 +18,18 @@ class HeapGuard {
   std::size_t calls() const;
 };
 
+/// The same of all threads together but those that stand outside; one at a time.
+class ThreadsHeapGuard {
+ public:
+  ThreadsHeapGuard();
+  ~ThreadsHeapGuard();
+  ThreadsHeapGuard(const ThreadsHeapGuard&) = delete;
+  ThreadsHeapGuard& operator=(const ThreadsHeapGuard&) = delete;
+
+  std::size_t calls() const;
+
+  /// The calling thread is the test's own: it is not counted from here on.
+  static void stand_outside();
+};
+
 }  // namespace roomcal::budget
