@@ -143,7 +143,11 @@ Status Machine::open_lidar(std::size_t i, Reason& why) {
       PacketDriver::memory_bytes(lidar, replay_) / sizeof(std::max_align_t) + 1));
   if (memory.empty()) return fail(out_of_arena("no memory for its packets"), name, why);
   packet_drivers_[i].choose(lidar, replay_, clocks_, memory);
-  if (const Status started = packet_drivers_[i].source().start(); !started.ok()) return fail(started, name, why);
+  const Status started = packet_drivers_[i].source().start();
+  if (started.code() == StatusCode::kNotFound)
+    log_.note(name, started.detail());  // the driver goes on looking for it
+  else if (!started.ok())
+    return fail(started, name, why);
   face::LidarVitals vitals;
   vitals.name = lidar.name;
   vitals.model = lidar.model;

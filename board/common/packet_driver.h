@@ -23,6 +23,8 @@ class PacketDriver {
   ports::PacketSource& source() { return *source_; }
   /// To wait on; -1 where there is nothing to wait on.
   int fd() const;
+  /// Its packets come by time: there is nothing to wait on.
+  bool replays() const { return std::holds_alternative<drivers::ReplayPacketSource>(driver_); }
 
  private:
   std::variant<std::monostate, drivers::UdpPacketSource, drivers::ReplayPacketSource> driver_;

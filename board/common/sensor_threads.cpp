@@ -91,7 +91,7 @@ void LidarThread::wait() const {
   bool replays = false;
   for (std::size_t i = 0; i < count_; ++i) {
     fds[i] = feeds_[i].driver->fd();
-    replays = replays || fds[i] < 0;
+    replays = replays || feeds_[i].driver->replays();
   }
   const int64_t deadline_ns = clocks_->now_ns() + (replays ? kReplayTick_ns : kPacketWait_ns);
   static_cast<void>(drivers::wait_readable(std::span<const int>(fds).first(count_), deadline_ns));
@@ -109,6 +109,7 @@ void LidarThread::run() {
 void LidarThread::drain(Feed& feed, int64_t now_ns) {
   const std::size_t taken = feed.driver->source().drain(*feed.packets);
   if (taken > 0) feed.vitals.last_packet_ns = now_ns;
+  feed.vitals.connected = feed.driver->replays() || feed.driver->fd() >= 0;
   feed.vitals.packets = feed.driver->source().counters();
   feed.vitals.sweeps = *feed.counters;
   feed.vitals.sweep_rate_hz = feed.rate.update(feed.vitals.sweeps.sweeps, now_ns);

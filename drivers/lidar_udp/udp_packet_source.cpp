@@ -54,19 +54,32 @@ Status UdpPacketSource::refuse_buffer() {
   text.text("the kernel grants a receive buffer of ").unsigned_integer(buffer_bytes_);
   text.text(" bytes; set sysctl net.core.rmem_max=").unsigned_integer(receive_buffer_bytes(options_) / 2 + 1);
   detail_[text.view().size()] = '\0';
-  stop();
+  fd_.reset();
   return {StatusCode::kUnavailable, detail_.data()};
 }
 
 Status UdpPacketSource::start() {
+  stop();
   counters_ = {};
+  looked_ns_ = LinuxClocks().now_ns();
+  static_cast<void>(parse_ipv4(options_.sender, sender_));
+  const Status opened = open();
+  if (!opened.ok() && opened.code() != StatusCode::kNotFound) return opened;
+  const Status laid_out = lay_out();
+  wanted_ = laid_out.ok();
+  if (!wanted_) fd_.reset();
+  return wanted_ ? opened : laid_out;
+}
+
+void UdpPacketSource::stop() {
+  fd_.reset();
+  wanted_ = false;
+}
+
+Status UdpPacketSource::open() {
   drops_ = {};
   ROOMCAL_TRY(open_udp_socket(options_, fd_, buffer_bytes_, joined_));
-  static_cast<void>(parse_ipv4(options_.sender, sender_));
-  const Status laid_out = lay_out();
-  if (!laid_out.ok()) stop();
-  if (laid_out.ok() && buffer_bytes_ < receive_buffer_bytes(options_)) return refuse_buffer();
-  return laid_out;
+  return buffer_bytes_ < receive_buffer_bytes(options_) ? refuse_buffer() : ok_status();
 }
 
 /// Makes a slot fit for the next packet: the kernel writes into its lengths.
@@ -142,10 +155,14 @@ void UdpPacketSource::look_at_interface() {
   const int64_t now_ns = LinuxClocks().now_ns();
   if (now_ns - looked_ns_ < kLook_ns) return;
   looked_ns_ = now_ns;
-  static_cast<void>(rejoin_group(fd_.get(), options_, joined_));
+  if (fd_.valid())
+    static_cast<void>(rejoin_group(fd_.get(), options_, joined_));
+  else
+    static_cast<void>(open());  // whatever it says now: the interface may come back as it should be
 }
 
 std::size_t UdpPacketSource::drain(ports::PacketVisitor& visitor) {
+  if (wanted_ && !fd_.valid()) look_at_interface();
   if (!fd_.valid()) return 0;
   std::size_t delivered = 0, taken = 0;
   for (std::size_t got = kBatch; got == kBatch && taken < kMaxDrain; taken += got) {

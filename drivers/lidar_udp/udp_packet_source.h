@@ -29,15 +29,16 @@ class UdpPacketSource final : public ports::PacketSource {
   UdpPacketSource(const UdpOptions& options, std::span<std::byte> memory) : options_(options), memory_(memory) {}
 
   std::string_view name() const override { return options_.name.view(); }
+  /// Where the interface or address that it listens on is missing, drain() looks for it twice a second.
   /// @return also kOutOfMemory if the memory is smaller than memory_bytes(), and kUnavailable if the kernel grants a
   ///         smaller receive buffer than the sensor needs; the text then names the sysctl with its value and lives as
   ///         long as the source.
   Status start() override;
   std::size_t drain(ports::PacketVisitor& visitor) override;
-  void stop() override { fd_.reset(); }
+  void stop() override;
   const ports::PacketCounters& counters() const override { return counters_; }
 
-  /// To wait on; -1 while stopped.
+  /// To wait on; -1 while stopped, or while its interface is missing.
   int fd() const { return fd_.get(); }
   /// What the kernel granted, as it counts.
   uint64_t receive_buffer() const { return buffer_bytes_; }
@@ -46,6 +47,7 @@ class UdpPacketSource final : public ports::PacketSource {
   struct Slots;
   enum class Fate : uint8_t { kDelivered, kTruncated, kForeign };
 
+  Status open();
   Status lay_out();
   Status refuse_buffer();
   int receive();
@@ -65,6 +67,7 @@ class UdpPacketSource final : public ports::PacketSource {
   uint64_t buffer_bytes_ = 0;
   unsigned joined_ = 0;  ///< number of the interface that the group was joined on; 0: there is no group
   int64_t looked_ns_ = 0;
+  bool wanted_ = false;  ///< it was started, and goes on looking where its interface is missing
   DropCount drops_;
   ports::PacketCounters counters_;
   std::array<char, 160> detail_{};

@@ -18,6 +18,7 @@ namespace roomcal::drivers {
 namespace {
 
 Status unavailable(const char* detail) { return {StatusCode::kUnavailable, detail}; }
+Status not_there(const char* detail) { return {StatusCode::kNotFound, detail}; }
 
 template <typename Value>
 bool set_option(int fd, int level, int name, const Value& value) {
@@ -72,7 +73,7 @@ Status bind_port(int fd, const UdpOptions& options) {
   if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return ok_status();
   if (errno == EADDRINUSE) return unavailable("the LiDAR's port is taken; stop the other program that listens to it");
   if (errno == EADDRNOTAVAIL)
-    return unavailable("no interface has the address of the LiDAR's port; set it up or leave the address out");
+    return not_there("no interface has the address of the LiDAR's port; set it up or leave the address out");
   if (errno == EACCES) return unavailable("ports below 1024 need CAP_NET_BIND_SERVICE; set another one in the LiDAR");
   return unavailable("the LiDAR's port cannot be bound");
 }
@@ -90,7 +91,7 @@ Status join_group(int fd, const UdpOptions& options, unsigned& joined) {
   joined = 0;
   if (options.group.empty()) return ok_status();
   const unsigned interface = interface_number(options);
-  if (interface == 0) return unavailable("no interface of the LiDAR's name; see `ip link`");
+  if (interface == 0) return not_there("no interface of the LiDAR's name; see `ip link`");
   // Without this, groups that other programs joined come through our socket too.
   if (!set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0) || !change_membership(fd, IP_ADD_MEMBERSHIP, options, interface))
     return unavailable("the LiDAR's multicast group cannot be joined on its interface");

@@ -12,8 +12,8 @@ namespace roomcal::drivers {
 /// bound, group joined. Non-blocking.
 /// @param[out] buffer_bytes  what the kernel granted, as it counts; may be less than receive_buffer_bytes().
 /// @param[out] joined  number of the interface that the group was joined on; 0 without a group.
-/// @return kInvalidArgument for an address that is none; kUnavailable (port taken, no such interface or address, kernel
-///         too old), each with the remedy. `fd` is then closed.
+/// @return kInvalidArgument for an address that is none; kNotFound while no interface has the name or address;
+///         kUnavailable (port taken, kernel too old), each with the remedy. `fd` is then closed.
 Status open_udp_socket(const UdpOptions& options, UniqueFd& fd, uint64_t& buffer_bytes, unsigned& joined);
 
 /// Joins the group again where another interface has the name by now: what is unplugged takes its memberships with it,

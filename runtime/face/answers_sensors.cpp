@@ -40,6 +40,7 @@ void tell_lidar(const LidarVitals& lidar, Reply& reply) {
   reply.text("model", lidar.model.view());
   reply.text("driver", lidar.driver);
   reply.text("address", lidar.address.view());
+  reply.flag("connected", lidar.connected);
   reply.number("sweep_rate_hz", lidar.sweep_rate_hz, 1, "Hz");
   reply.integer("packets", static_cast<int64_t>(lidar.packets.delivered));
   reply.integer("kernel_drops", static_cast<int64_t>(lidar.packets.kernel_drops));

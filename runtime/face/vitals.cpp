@@ -20,6 +20,9 @@ Reason complaint(const CameraVitals& camera, int64_t /*now_ns*/) {
 
 Reason complaint(const LidarVitals& lidar, int64_t now_ns) {
   const Name who(lidar.name);
+  if (!lidar.connected)
+    return make_reason("%.*s: its network interface is not there: see `ip link` and `ip address`; it is looked for",
+                       who.length, who.text);
   if (lidar.last_packet_ns == 0)
     return make_reason("%.*s: no packet has come yet: check its power, its cable and the address that it sends to",
                        who.length, who.text);

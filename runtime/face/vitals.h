@@ -35,6 +35,7 @@ struct LidarVitals {
   SensorName model;
   std::string_view driver;  ///< "udp"
   FixedText<63> address;
+  bool connected = true;  ///< the network interface that it listens on is there
   ports::PacketCounters packets;
   lidar::SweepCounters sweeps;
   double sweep_rate_hz = 0;

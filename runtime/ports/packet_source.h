@@ -43,8 +43,8 @@ class PacketSource {
   virtual std::string_view name() const = 0;
 
   /// Opens the port and reserves all that it will ever need. Before arming.
-  /// @return kOk; kUnavailable (port taken, no such interface) or kInvalidArgument (an address that is none) with the
-  ///         remedy.
+  /// @return kOk; kNotFound if what it listens on is not there yet: drain() then goes on looking for it; kUnavailable
+  ///         (port taken) or kInvalidArgument (an address that is none) with the remedy.
   virtual Status start() = 0;
 
   /// Hands over every packet that has arrived, up to a bound; does not wait.

@@ -157,6 +157,22 @@ TEST_F(BoardStart, CameraThatIsNotThere_IsLookedForWhileTheDeviceServes) {
   EXPECT_NE(std::string(complaint(vitals.cameras[1], vitals.now_ns).view()).find("cam1: not found"), std::string::npos);
 }
 
+TEST_F(BoardStart, LidarWhoseInterfaceIsMissing_IsLookedForWhileTheDeviceServes) {
+  profile::LidarWiring& wiring = folder_->profile().lidars[0].wiring;
+  wiring.driver = profile::PacketDriver::kUdp;
+  wiring.group = "239.192.0.1";
+  wiring.interface = "nothere0";
+  folder_->provision();
+  Start start(folder_->path(), kSim);
+  ASSERT_TRUE(start.status.ok()) << start.reason();
+  start.clocks.sleep_until(start.clocks.now_ns() + 300'000'000);
+  face::Vitals vitals;
+  vitals.now_ns = start.clocks.now_ns();
+  start.machine.examine(vitals);
+  EXPECT_EQ(std::string(complaint(vitals.lidars[0], vitals.now_ns).view()).find("lidar0: its network interface"), 0U);
+  EXPECT_EQ(complaint(vitals.cameras[0], vitals.now_ns).view(), "");
+}
+
 TEST_F(BoardStart, StoreOfAnotherDevice_IsNotUsed) {
   { ASSERT_TRUE(Start(folder_->path(), kSim).status.ok()); }
   folder_->profile().serial = "RB-0043";

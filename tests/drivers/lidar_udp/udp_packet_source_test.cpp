@@ -270,9 +270,9 @@ TEST_F(UdpPacketSourceTest, ImpossibleOptions_AreRefusedByName) {
     o.group = "239.1.1.1";
     o.interface = "nothere0";
   });
-  EXPECT_TRUE(contains(refusal(no_interface, StatusCode::kUnavailable), "ip link"));
+  EXPECT_TRUE(contains(refusal(no_interface, StatusCode::kNotFound), "ip link"));
   const auto no_address = with([](UdpOptions& o) { o.local = "192.0.2.1"; });  // kept for documents, RFC 5737
-  EXPECT_TRUE(contains(refusal(no_address, StatusCode::kUnavailable), "no interface has the address"));
+  EXPECT_TRUE(contains(refusal(no_address, StatusCode::kNotFound), "no interface has the address"));
 }
 
 TEST_F(UdpPacketSourceTest, TooLittleMemory_IsRefused) {

@@ -1,5 +1,5 @@
-// A LiDAR on a multicast group behind a network adapter that is unplugged and plugged in again: a TAP device in a
-// network of the test's own.
+// A LiDAR on a multicast group behind a network adapter that is missing at the start, or unplugged and plugged in
+// again: a TAP device in a network of the test's own.
 
 #include <array>
 #include <cstring>
@@ -120,6 +120,14 @@ class UdpRejoinTest : public testing::Test {
     ASSERT_TRUE(started.ok()) << started.detail();
   }
 
+  /// As at the start of a device whose adapter is not there.
+  void start_without_adapter() {
+    adapter_.reset();
+    const Status started = source_->start();
+    EXPECT_EQ(started.code(), StatusCode::kNotFound) << started.detail();
+    EXPECT_EQ(source_->fd(), -1);
+  }
+
   /// The sensor sends a hundred times a second. @return seconds until something of it came; 0: not within five.
   double until_packets_come() {
     const int64_t begin_ns = clocks_.now_ns();
@@ -153,6 +161,28 @@ TEST_F(UdpRejoinTest, AdapterUnpluggedAndBack_PacketsComeAgainSoon) {
     EXPECT_LT(seconds, 2);
   }
   EXPECT_EQ(source_->counters().errors, 0U);
+}
+
+TEST_F(UdpRejoinTest, AdapterMissingAtTheStart_PacketsComeOnceItIsThere) {
+  start_without_adapter();
+  Count none;
+  EXPECT_EQ(source_->drain(none), 0U);
+  adapter_.emplace();
+  ASSERT_TRUE(adapter_->plugged());
+  const double seconds = until_packets_come();
+  EXPECT_GT(seconds, 0) << "never";
+  EXPECT_LT(seconds, 2);
+  EXPECT_EQ(source_->counters().errors, 0U);
+}
+
+TEST_F(UdpRejoinTest, StoppedWhileItsAdapterIsMissing_StaysClosed) {
+  start_without_adapter();
+  source_->stop();
+  adapter_.emplace();
+  clocks_.sleep_until(clocks_.now_ns() + 600'000'000);
+  Count none;
+  EXPECT_EQ(source_->drain(none), 0U);
+  EXPECT_EQ(source_->fd(), -1);
 }
 
 TEST_F(UdpRejoinTest, AdapterDownAndUp_PacketsComeAgain) {

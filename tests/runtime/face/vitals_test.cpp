@@ -50,6 +50,12 @@ TEST(LidarComplaint, Silence_IsToldWithItsLength) {
   EXPECT_EQ(complaint_of(sending(kNow - 7 * kSecond)), "lidar0: no packet for 7 s: check its power and its cable");
 }
 
+TEST(LidarComplaint, InterfaceThatIsMissing_IsToldBeforeTheSilence) {
+  LidarVitals lidar = sending(0);
+  lidar.connected = false;
+  EXPECT_EQ(complaint_of(lidar).find("lidar0: its network interface is not there"), 0U);
+}
+
 TEST(LidarComplaint, PacketsOfAnotherModel_AreNamed) {
   LidarVitals lidar = sending(kNow);
   lidar.sweeps.packets = 0;
