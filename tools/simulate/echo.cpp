@@ -52,14 +52,18 @@ double EchoCaster::reflectivity_percent(const Plane& plane, const Pulse& pulse, 
 Echo EchoCaster::echo(const Pulse& pulse, const RangeFlaws& flaws, Random& random) const {
   const double noise_m = flaws.sigma_m * random.normal();
   const double shade = flaws.reflectivity_sigma * random.normal();
-  const Hit hit = cast_ray(scene_, pulse.origin_room, pulse.direction_room);
+  const Sight sight = look(scene_, pulse.origin_room, {pulse.direction_room, Mat32::Zero()});
+  const Hit& hit = sight.hit;
   if (hit.plane == nullptr || random.uniform() < flaws.dropout) return {};
   Echo echo;
   echo.range_m = hit.distance;
   if (flaws.mixed_pixels) echo.range_m = mixed_range_m(pulse, echo.range_m, random);
   if (pulse.blocked) echo.range_m = kBlocker_m;
   echo.range_m = std::max(0.0, echo.range_m + (noise_m + pulse.offset_m));
-  echo.reflectivity_percent = std::clamp(reflectivity_percent(*hit.plane, pulse, hit.distance) + shade, 0.0, 100.0);
+  Pulse arriving = pulse;  // as if from the pulse's image behind a mirror
+  arriving.origin_room = sight.eye_room;
+  arriving.direction_room = sight.rays.direction;
+  echo.reflectivity_percent = std::clamp(reflectivity_percent(*hit.plane, arriving, hit.distance) + shade, 0.0, 100.0);
   return echo;
 }
 

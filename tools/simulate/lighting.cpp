@@ -45,7 +45,7 @@ double from_lamp(const Scene& scene, const Lamp& lamp, const Vec3& point_room, c
 double irradiance(const Scene& scene, const Vec3& point_room, const Vec3& normal_room) {
   double sum = scene.ambient;
   for (const Lamp& lamp : scene.lamps) sum += from_lamp(scene, lamp, point_room, normal_room);
-  return sum;
+  return scene.darkness ? scene.darkness->share_at(point_room) * sum : sum;
 }
 
 LightMap::LightMap(const Scene& scene, const Plane& plane)

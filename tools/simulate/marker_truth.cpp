@@ -1,5 +1,6 @@
 #include "tools/simulate/marker_truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -25,8 +26,15 @@ Vec2 disc_point(int i) {
 /// One marker's disc before one camera.
 class DiscView {
  public:
-  DiscView(const Scene& scene, const camera::Camera& camera, const SE3& T_room_cam, const SceneMarker& marker)
-      : scene_(scene), camera_(camera), T_room_cam_(T_room_cam), T_cam_room_(T_room_cam.inverse()), marker_(marker) {
+  /// @param mirror  in which it is seen; then the marker is its image behind that wall. Null: seen itself.
+  DiscView(const Scene& scene, const camera::Camera& camera, const SE3& T_room_cam, const SceneMarker& marker,
+           const Plane* mirror)
+      : scene_(scene),
+        camera_(camera),
+        T_room_cam_(T_room_cam),
+        T_cam_room_(T_room_cam.inverse()),
+        marker_(marker),
+        mirror_(mirror) {
     axis_u_ = marker.normal_room.unitOrthogonal();
     axis_v_ = marker.normal_room.cross(axis_u_);
   }
@@ -43,12 +51,22 @@ class DiscView {
     int seen = 0;
     for (int i = 0; i < kDiscPoints; ++i) {
       const auto px = project(disc_point(i));
-      seen += px && inside(*px) && !is_hidden(scene_, T_room_cam_.t, point_room(disc_point(i))) ? 1 : 0;
+      seen += px && inside(*px) && !hidden(point_room(disc_point(i))) ? 1 : 0;
     }
     return static_cast<double>(seen) / kDiscPoints;
   }
 
  private:
+  bool hidden(const Vec3& point) const {
+    const Vec3& eye = T_room_cam_.t;
+    if (mirror_ == nullptr) return is_hidden(scene_, eye, point);
+    const Vec3 along = point - eye;
+    const Vec3 glass = eye - mirror_->signed_distance(eye) / mirror_->normal.dot(along) * along;
+    const Vec2 q = mirror_->coordinates(glass);
+    const bool seen = std::any_of(mirror_->patches.begin(), mirror_->patches.end(),
+                                  [&](const WallPatch& patch) { return patch.mirror && patch.covers(q); });
+    return !seen || is_hidden(scene_, eye, glass) || is_hidden(scene_, glass, mirrored(*mirror_, point));
+  }
   bool inside(const Vec2& px) const {
     const camera::Intrinsics& lens = camera_.intrinsics();
     return px.x() > -0.5 && px.y() > -0.5 && px.x() < lens.width_px - 0.5 && px.y() < lens.height_px - 0.5;
@@ -59,6 +77,7 @@ class DiscView {
   SE3 T_room_cam_;
   SE3 T_cam_room_;
   const SceneMarker& marker_;
+  const Plane* mirror_;
   Vec3 axis_u_ = Vec3::Zero();
   Vec3 axis_v_ = Vec3::Zero();
 };
@@ -112,8 +131,23 @@ CircleImage measure_outline(const std::vector<Vec2>& outline_px) {
 std::vector<MarkerTruth> project_markers(const Scene& scene, const camera::Camera& camera, const SE3& T_room_cam) {
   std::vector<MarkerTruth> truths;
   for (const SceneMarker& marker : markers_of(scene)) {
-    const DiscView view(scene, camera, T_room_cam, marker);
+    const DiscView view(scene, camera, T_room_cam, marker, nullptr);
     if (const auto truth = project_marker(view, marker, T_room_cam.t)) truths.push_back(*truth);
+  }
+  return truths;
+}
+
+std::vector<MarkerTruth> project_mirrored_markers(const Scene& scene, const camera::Camera& camera,
+                                                  const SE3& T_room_cam) {
+  std::vector<MarkerTruth> truths;
+  for (const Plane& wall : scene.walls) {
+    if (wall.patches.empty()) continue;
+    for (SceneMarker marker : markers_of(scene)) {
+      marker.centre_room = mirrored(wall, marker.centre_room);
+      marker.normal_room -= 2 * wall.normal.dot(marker.normal_room) * wall.normal;
+      const DiscView view(scene, camera, T_room_cam, marker, &wall);
+      if (const auto truth = project_marker(view, marker, T_room_cam.t)) truths.push_back(*truth);
+    }
   }
   return truths;
 }

@@ -32,4 +32,8 @@ struct MarkerTruth {
 /// Markers of which anything is visible, by id.
 std::vector<MarkerTruth> project_markers(const Scene& scene, const camera::Camera& camera, const SE3& T_room_cam);
 
+/// The images of markers in the scene's mirrors, wall by wall.
+std::vector<MarkerTruth> project_mirrored_markers(const Scene& scene, const camera::Camera& camera,
+                                                  const SE3& T_room_cam);
+
 }  // namespace roomcal::tools

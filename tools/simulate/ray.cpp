@@ -98,6 +98,32 @@ Hit cast_ray(const Scene& scene, const Vec3& origin, const Vec3& direction) {
   return nearer_body(scene, origin, direction, nearest);
 }
 
+Vec3 mirrored(const Plane& plane, const Vec3& point_room) {
+  return point_room - 2 * plane.signed_distance(point_room) * plane.normal;
+}
+
+Sight look(const Scene& scene, const Vec3& eye_room, const PixelRays& rays) {
+  Sight sight{eye_room, rays, cast_ray(scene, eye_room, rays.direction)};
+  if (sight.hit.plane == nullptr || sight.hit.plane->patches.empty()) return sight;
+  const Plane& wall = *sight.hit.plane;
+  const Vec3 point_room = eye_room + sight.hit.distance * rays.direction;
+  const auto patch = std::find_if(wall.patches.begin(), wall.patches.end(),
+                                  [&](const WallPatch& one) { return one.covers(wall.coordinates(point_room)); });
+  if (patch == wall.patches.end()) return sight;
+  sight.patch = &*patch;
+  if (!patch->mirror) {
+    sight.hit.distance -= patch->depth_m / wall.normal.dot(rays.direction);
+    return sight;
+  }
+  const Mat33 turn = Mat33::Identity() - 2 * wall.normal * wall.normal.transpose();
+  sight.eye_room = mirrored(wall, eye_room);
+  sight.rays = {turn * rays.direction, turn * rays.J_px};
+  const double to_mirror = sight.hit.distance;
+  sight.hit = cast_ray(scene, point_room, sight.rays.direction);
+  sight.hit.distance += to_mirror;
+  return sight;
+}
+
 Hit cast_flat(const Scene& scene, const Vec3& origin, const Vec3& direction) {
   Hit nearest{nullptr, nullptr, kNever};
   for (const Plane& wall : scene.walls) {

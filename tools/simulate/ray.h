@@ -23,6 +23,19 @@ struct Hit {
 /// Cost: a division per plane.
 Hit cast_ray(const Scene& scene, const Vec3& origin, const Vec3& direction);
 
+/// A look into the scene. What a mirror shows is where a straight look from the eye's image finds it: eye and rays
+/// turn with it, and distances count from there.
+struct Sight {
+  Vec3 eye_room = Vec3::Zero();
+  PixelRays rays;
+  Hit hit;
+  const WallPatch* patch = nullptr;  ///< the first one met; if it is an opening, the hit is so far behind the wall
+};
+Sight look(const Scene& scene, const Vec3& eye_room, const PixelRays& rays);
+
+/// The image of a point behind a plane.
+Vec3 mirrored(const Plane& plane, const Vec3& point_room);
+
 /// The same as if nothing had waves: for what is seen where, not for how far it is.
 Hit cast_flat(const Scene& scene, const Vec3& origin, const Vec3& direction);
 

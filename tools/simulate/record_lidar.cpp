@@ -1,6 +1,7 @@
 #include "tools/simulate/record_lidar.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tools/simulate/lidar_unit.h"
 #include "tools/simulate/random_stream.h"
@@ -59,6 +60,9 @@ std::vector<Echo> cast_firings(const EchoCaster& caster, const TrueLidar& lidar,
       pulse.origin_room = lidar.T_room_lidar * firing.origin_lidar;
       pulse.direction_room = lidar.T_room_lidar.R * firing.direction_lidar;
       pulse.offset_m = lidar.beam_offset_m.at(firing.beam);
+      const double turn = std::atan2(firing.direction_lidar.x(), firing.direction_lidar.y());
+      const double azimuth_rad = turn < 0 ? turn + 2 * kPi : turn;
+      pulse.blocked = azimuth_rad >= options.blocked_from_rad && azimuth_rad < options.blocked_to_rad;
       echoes[i] = caster.echo(pulse, flaws, random);
     }
   });

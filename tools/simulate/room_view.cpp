@@ -7,7 +7,13 @@ namespace roomcal::tools {
 
 namespace {
 constexpr double kEdgeReach_px = 1.0;  // half a pixel's diagonal, and room for what is not linear
+
+bool is_opening(const Sight& sight) { return sight.patch != nullptr && !sight.patch->mirror; }
+
+Vec2 place_of(const Sight& sight, double distance, const Vec3& ray_room) {
+  return sight.hit.plane->coordinates(sight.eye_room + distance * ray_room);
 }
+}  // namespace
 
 LitScene::LitScene(const Scene& scene) : scene_(scene) {
   uint64_t seed = scene.seed * 1000;
@@ -66,16 +72,18 @@ bool RoomView::rays_of(double x, double y, PixelRays& rays_room) const {
   return true;
 }
 
-bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
+bool RoomView::has_outline(const Sight& sight) const {
   const Scene& scene = lit_.scene();
-  const Vec3 point = T_room_cam_.t + hit.distance * rays.direction;
+  const Hit& hit = sight.hit;
+  const PixelRays& rays = sight.rays;
+  const Vec3 point = sight.eye_room + hit.distance * rays.direction;
   const double metres_per_px = hit.distance * rays.J_px.norm();
   const double reach = kEdgeReach_px * metres_per_px / std::max(0.02, -hit.plane->normal.dot(rays.direction));
   if (scene.bounded()) {  // one wall may hide another anywhere
-    const Plane* in_middle = cast_flat(scene, T_room_cam_.t, rays.direction).plane;
+    const Plane* in_middle = cast_flat(scene, sight.eye_room, rays.direction).plane;
     for (const double dx : {-0.5, 0.5})
       for (const double dy : {-0.5, 0.5})
-        if (cast_flat(scene, T_room_cam_.t, rays.at(dx, dy)).plane != in_middle) return true;
+        if (cast_flat(scene, sight.eye_room, rays.at(dx, dy)).plane != in_middle) return true;
     return false;
   }
   if (hit.body == nullptr) {
@@ -84,50 +92,62 @@ bool RoomView::has_outline(const Hit& hit, const PixelRays& rays) const {
     }
   }
   for (const Body& body : scene.bodies) {
-    const Hit at_centre = cast_at_body(body, T_room_cam_.t, rays.direction);
+    const Hit at_centre = cast_at_body(body, sight.eye_room, rays.direction);
     for (const double dx : {-0.5, 0.5}) {
       for (const double dy : {-0.5, 0.5}) {
-        if (cast_at_body(body, T_room_cam_.t, rays.at(dx, dy)).plane != at_centre.plane) return true;
+        if (cast_at_body(body, sight.eye_room, rays.at(dx, dy)).plane != at_centre.plane) return true;
       }
     }
   }
   return false;
 }
 
-Vec2 RoomView::place_of(const Hit& hit, const Vec3& ray) const {
-  return hit.plane->coordinates(T_room_cam_.t + hit.distance * ray);
+bool RoomView::has_rim(const PixelRays& rays_room, const Sight& sight) const {
+  const auto patched = [](const Plane& wall) { return !wall.patches.empty(); };
+  const Scene& scene = lit_.scene();
+  if (std::none_of(scene.walls.begin(), scene.walls.end(), patched)) return false;
+  for (const double dx : {-0.5, 0.5})
+    for (const double dy : {-0.5, 0.5})
+      if (look(scene, T_room_cam_.t, {rays_room.at(dx, dy), rays_room.J_px}).patch != sight.patch) return true;
+  return false;
+}
+
+float RoomView::sample_alone(const Vec3& ray_room, const Mat22& footprint) const {
+  const Sight sight = look(lit_.scene(), T_room_cam_.t, {ray_room, Mat32::Zero()});
+  if (sight.hit.plane == nullptr || is_opening(sight)) return 0;  // past the end of an open room
+  const Vec2 place = place_of(sight, sight.hit.distance, sight.rays.direction);
+  double edge_px = 0;
+  return static_cast<float>(LitPatch(lit_, sight.hit, place, footprint).radiance(place, 1.0 / kSub, edge_px));
 }
 
 void RoomView::sample(int x, int y, PixelSamples& samples) const {
   PixelRays rays;
   samples.fill(0);
   if (!rays_of(x, y, rays)) return;
-  const Hit hit = cast_ray(lit_.scene(), T_room_cam_.t, rays.direction);
+  const Sight sight = look(lit_.scene(), T_room_cam_.t, rays);
+  const Hit& hit = sight.hit;
   if (hit.plane == nullptr) return;
   double edge_px = 0;
-  const Vec2 middle = place_of(hit, rays.direction);
+  const Vec2 middle = place_of(sight, hit.distance, sight.rays.direction);
   const Tangent tangent = tangent_at(*hit.plane, middle);
-  const Mat22 footprint = footprint_on(*hit.plane, tangent.normal_room, rays, hit.distance);
+  const Mat22 footprint = footprint_on(*hit.plane, tangent.normal_room, sight.rays, hit.distance);
   const LitPatch patch(lit_, hit, middle, footprint);
-  const double value = patch.radiance(middle, 1, edge_px);
-  const bool outline = has_outline(hit, rays);
+  const double value = is_opening(sight) ? 0 : patch.radiance(middle, 1, edge_px);
+  const bool outline = has_outline(sight) || has_rim(rays, sight);
+  if (!outline && is_opening(sight)) return;
   if (edge_px > kEdgeReach_px && !outline) {
     samples.fill(static_cast<float>(value));
     return;
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const int column = static_cast<int>(i % kSub), row = static_cast<int>(i / kSub);
-    const Vec3 ray = rays.at(sub_offset_px(column), sub_offset_px(row));
-    Hit part = hit;
+    const double dx = sub_offset_px(static_cast<int>(i % kSub)), dy = sub_offset_px(static_cast<int>(i / kSub));
     if (outline) {
-      part = cast_ray(lit_.scene(), T_room_cam_.t, ray);
-      if (part.plane == nullptr) continue;  // past the end of an open room
-      const Vec2 place = place_of(part, ray);
-      samples[i] = static_cast<float>(LitPatch(lit_, part, place, footprint).radiance(place, 1.0 / kSub, edge_px));
-    } else {
-      part.distance = tangent.distance(T_room_cam_.t, ray);
-      samples[i] = static_cast<float>(patch.radiance(place_of(part, ray), 1.0 / kSub, edge_px));
+      samples[i] = sample_alone(rays.at(dx, dy), footprint);
+      continue;
     }
+    const Vec3 ray = sight.rays.at(dx, dy);
+    const Vec2 place = place_of(sight, tangent.distance(sight.eye_room, ray), ray);
+    samples[i] = static_cast<float>(patch.radiance(place, 1.0 / kSub, edge_px));
   }
 }
 

@@ -62,9 +62,11 @@ class RoomView final : public Radiance {
 
  private:
   bool rays_of(double x, double y, PixelRays& rays_room) const;
-  Vec2 place_of(const Hit& hit, const Vec3& ray) const;
   /// Whether a corner of the room or the outline of a body crosses the pixel.
-  bool has_outline(const Hit& hit, const PixelRays& rays) const;
+  bool has_outline(const Sight& sight) const;
+  /// Whether the rim of a mirror or an opening does.
+  bool has_rim(const PixelRays& rays_room, const Sight& sight) const;
+  float sample_alone(const Vec3& ray_room, const Mat22& footprint) const;
   const LitScene& lit_;
   const camera::Camera& camera_;
   SE3 T_room_cam_;

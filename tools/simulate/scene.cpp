@@ -50,15 +50,23 @@ Vec3 Plane::surface_normal(const Vec2& q) const {
   return (normal - rise.x() * axis_u - rise.y() * axis_v).normalized();
 }
 
+double Darkness::share_at(const Vec3& point) const {
+  constexpr double kEdge_m = 0.2;  // lamps are no points
+  return std::lerp(1.0, light, std::clamp(into_dark.dot(point - point_room) / kEdge_m, 0.0, 1.0));
+}
+
 std::vector<SceneMarker> markers_of(const Scene& scene) {
   std::vector<SceneMarker> markers;
-  for (const Plane& wall : scene.walls) {
-    for (const Decal& decal : wall.decals) {
+  const auto add = [&](const Plane& plane) {
+    for (const Decal& decal : plane.decals) {
       if (decal.print != Print::kRings) continue;
       markers.push_back(
-          {decal.marker_id, wall.surface_point(decal.centre), wall.surface_normal(decal.centre), decal.radius_m});
+          {decal.marker_id, plane.surface_point(decal.centre), plane.surface_normal(decal.centre), decal.radius_m});
     }
-  }
+  };
+  for (const Plane& wall : scene.walls) add(wall);
+  for (const Body& body : scene.bodies)
+    for (const Plane& face : body.faces) add(face);
   std::sort(markers.begin(), markers.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return markers;
 }

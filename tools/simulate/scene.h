@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,15 @@ struct Wave {
   double amplitude_m = 0;
 };
 
+/// A rectangle of a wall that came after the sheets: a mirror on it, or a door that stands open.
+struct WallPatch {
+  bool mirror = false;
+  double depth_m = 0;                            ///< of an opening: what is behind is dark and so far behind the wall
+  Vec2 low = Vec2::Zero(), high = Vec2::Zero();  ///< in the wall's own coordinates
+
+  bool covers(const Vec2& q) const { return (q - low).minCoeff() >= 0 && (high - q).minCoeff() >= 0; }
+};
+
 /// A wall, the floor, the ceiling, or a face of a body. Point = origin + q.x axis_u + q.y axis_v, normal = u x v,
 /// which points into free space.
 struct Plane {
@@ -51,7 +61,8 @@ struct Plane {
   double tile_m = 0;     ///< spacing of dark joints; 0 for none
   bool bounded = false;  ///< ends at `size`; else where it meets its neighbours
   std::vector<Decal> decals = {};
-  std::vector<Wave> waves = {};  ///< the surface is so far before the plane; they fade towards the plane's ends
+  std::vector<Wave> waves = {};         ///< the surface is so far before the plane; they fade towards the plane's ends
+  std::vector<WallPatch> patches = {};  ///< of walls only; neither in files nor in shadows
 
   Vec3 point(const Vec2& q) const { return origin + q.x() * axis_u + q.y() * axis_v; }
   Vec2 coordinates(const Vec3& point_room) const {
@@ -87,6 +98,15 @@ struct Lamp {
   bool all_around = false;        ///< shines to every side (a bulb), not by the cosine of a flat panel
 };
 
+/// Light that has failed beyond a plane through the room.
+struct Darkness {
+  Vec3 point_room = Vec3::Zero();
+  Vec3 into_dark = Vec3::UnitX();  ///< unit
+  double light = 0;                ///< share of it that is left there
+
+  double share_at(const Vec3& point) const;
+};
+
 /// Everything that is needed to render. Room frame: origin in a floor corner, x width, y depth, z up, metres.
 struct Scene {
   uint64_t seed = 0;
@@ -97,7 +117,8 @@ struct Scene {
   std::vector<Plane> walls;
   std::vector<Body> bodies;
   std::vector<Lamp> lamps;
-  double ambient = 0;  ///< irradiance from everywhere: what the walls throw back
+  double ambient = 0;                               ///< irradiance from everywhere: what the walls throw back
+  std::optional<Darkness> darkness = std::nullopt;  ///< not in files
 
   bool bounded() const { return !walls.empty() && walls.front().bounded; }
 };
@@ -110,7 +131,7 @@ struct SceneMarker {
   double radius_m = 0;
 };
 
-/// All ring markers, in the order of their ids.
+/// All ring markers, of walls and bodies, in the order of their ids.
 std::vector<SceneMarker> markers_of(const Scene& scene);
 
 }  // namespace roomcal::tools

@@ -14,7 +14,9 @@ struct LidarOptions {
   double dropout = 0;                       ///< share of firings without a return
   bool mixed_pixels = false;                ///< beams that are cut by an edge return something between
   double tls_step_rad = deg_to_rad(0.5);    ///< of servo and profiler
-  bool tls_profiles = false;                ///< also the profiler's own packets and the servo's angles
+  /// Azimuths (low, high) from which a spinning LiDAR sees something at 0.5 m only; equal: nothing blocks it.
+  double blocked_from_rad = 0, blocked_to_rad = 0;
+  bool tls_profiles = false;  ///< also the profiler's own packets and the servo's angles
 };
 
 struct ShotOptions {
