@@ -124,19 +124,13 @@ TEST_F(LidarShot, NoCameraAtAll_StillTellsWhereTheLidarsAreButNoRig) {
   for (const calib::LidarOutcome& lidar : outcome.lidars) EXPECT_FALSE(lidar.in_rig);
 }
 
-TEST(Trust, AFewShots_NameWhatMovedAndBelieveNoTrap) {
-  const TrustRoom room(1), other(2), pillar(3, true);
+TEST(Trust, AFewShots_NameWhatMoved) {
+  const TrustRoom room(1);
   MoveTally moves;
   for (uint64_t seed = 1; seed <= 4; ++seed) run_move_trial(room, seed, {}, moves);
   EXPECT_EQ(moves.false_alarms, 0);
   EXPECT_EQ(moves.named, moves.moved - moves.unseen);
   EXPECT_GE(moves.named, 3);
-  for (const Trap trap : kTraps) {
-    TrapTally tally;
-    run_trap(trap, trap == Trap::kUnmappedPillar ? pillar : room, other, 7, tally);
-    EXPECT_EQ(tally.wrong, 0) << to_string(trap);
-    EXPECT_EQ(tally.refused + tally.right, 1) << to_string(trap);
-  }
 }
 
 }  // namespace

@@ -25,41 +25,23 @@ constexpr double kNamedBar = 0.99, kFalseAlarmBar = 0.01;
 
 struct Arguments {
   int shots = 1000;
-  bool traps = true;
-  TrustOptions options;
+  TrustDeviceOptions options;
   std::vector<double> map_noise_mm;
   std::size_t join = 0;
   std::string json_file;
 };
 
-struct Report {
-  MoveTally moves;
-  std::array<TrapTally, kTraps.size()> traps{};
-};
-
-Report measure(const Arguments& arguments) {
+MoveTally measure(const Arguments& arguments) {
   const int shots = arguments.shots;
-  std::vector<TrustRoom> rooms, with_pillar;
-  for (uint64_t seed = 1; seed <= kRooms; ++seed) {
-    rooms.emplace_back(seed);
-    with_pillar.emplace_back(seed, true);
-  }
-  const int traps = arguments.traps ? std::max(1, shots / 10) : 0;
-  Progress progress("trust", static_cast<std::size_t>(shots) + kTraps.size() * static_cast<std::size_t>(traps));
-  Report report;
+  std::vector<TrustRoom> rooms;
+  for (uint64_t seed = 1; seed <= kRooms; ++seed) rooms.emplace_back(seed);
+  Progress progress("trust", static_cast<std::size_t>(shots));
+  MoveTally moves;
   for (int i = 0; i < shots; ++i) {
-    run_move_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, arguments.options,
-                   report.moves);
+    run_move_trial(rooms[static_cast<std::size_t>(i % kRooms)], static_cast<uint64_t>(i) + 1, arguments.options, moves);
     progress.step();
   }
-  for (std::size_t t = 0; t < kTraps.size(); ++t)
-    for (int i = 0; i < traps; ++i) {
-      const auto& in = kTraps[t] == Trap::kUnmappedPillar ? with_pillar : rooms;
-      run_trap(kTraps[t], in[static_cast<std::size_t>(i % kRooms)], rooms[static_cast<std::size_t>((i + 1) % kRooms)],
-               static_cast<uint64_t>(i) + 1, report.traps[t]);
-      progress.step();
-    }
-  return report;
+  return moves;
 }
 
 double mean(const std::vector<double>& values) {
@@ -78,8 +60,7 @@ double nees_quantile(std::size_t n, double z) {
 /// Two-sided 95 % for all pairs together (Sidak).
 double deviate(std::size_t pairs) { return pairs <= 1 ? 1.960 : pairs <= 6 ? 2.631 : 2.935; }
 
-bool print_and_judge(const Report& report, json& out) {
-  const MoveTally& moves = report.moves;
+bool print_and_judge(const MoveTally& moves, json& out) {
   const int seen = moves.moved - moves.unseen;
   const double named = seen == 0 ? 0 : static_cast<double>(moves.named) / seen;
   const double false_alarms = moves.moved == 0 ? 1 : static_cast<double>(moves.false_alarms) / moves.moved;
@@ -93,15 +74,6 @@ bool print_and_judge(const Report& report, json& out) {
   out["verify"] = {{"moved", seen},          {"named", moves.named},     {"misnamed", moves.misnamed},
                    {"unseen", moves.unseen}, {"refused", moves.refused}, {"false_alarms", moves.false_alarms},
                    {"unmoved", moves.moved}};
-  for (std::size_t t = 0; t < kTraps.size(); ++t) {
-    const TrapTally& trap = report.traps[t];
-    if (trap.shots == 0) continue;
-    fmt::print("{:<34} {:4} shots: {:4} refused, {:4} right, {:4} wrong (bar 0)\n", to_string(kTraps[t]), trap.shots,
-               trap.refused, trap.right, trap.wrong);
-    out["traps"][to_string(kTraps[t])] = {
-        {"shots", trap.shots}, {"refused", trap.refused}, {"right", trap.right}, {"wrong", trap.wrong}};
-    good = good && trap.wrong == 0;
-  }
   for (const auto& [pair, values] : moves.nees) {
     const double z = deviate(moves.nees.size()), low = nees_quantile(values.size(), -z),
                  high = nees_quantile(values.size(), z), nees = mean(values);
@@ -181,8 +153,8 @@ bool measure_map_noise(const Arguments& arguments, json& out) {
 
 void add_evaluate_trust(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("trust", "is the sensor that moved named, are bad shots refused, is NEES 6");
-  command->add_option("--shots", arguments->shots, "shots with a moved sensor; a tenth as many of every trap")
+  CLI::App* command = app.add_subcommand("trust", "is the sensor that moved named, is NEES 6");
+  command->add_option("--shots", arguments->shots, "shots with a moved sensor")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_flag("--refine-intrinsics", arguments->options.refine_intrinsics,
@@ -190,7 +162,6 @@ void add_evaluate_trust(CLI::App& app, int& exit_code) {
   command->add_option("--map-noise", arguments->map_noise_mm, "only: pairs with maps of this noise, mm, that say so")
       ->check(CLI::Range(0.0, 50.0));
   command->add_option("--join", arguments->join, "only: as many shots of each device, joined")->check(CLI::Range(2, 8));
-  command->add_flag("!--no-traps", arguments->traps, "leave the traps out");
   command->add_option("--json", arguments->json_file, "write the figures to this file");
   command->callback([arguments, &exit_code] {
     json out;

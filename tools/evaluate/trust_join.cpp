@@ -41,9 +41,9 @@ MapData map_of(const TrustRoom& room, double sigma_m, uint64_t seed) {
 
 }  // namespace
 
-void run_join_trial(const TrustRoom& room, uint64_t seed, const TrustOptions& options, JoinTally& tally) {
+void run_join_trial(const TrustRoom& room, uint64_t seed, const TrustDeviceOptions& options, JoinTally& tally) {
   Random random = random_stream(seed, 91);
-  TrustDevice device = make_trust_device(room, seed, options.refine_intrinsics);
+  TrustDevice device = make_trust_device(room, seed, options);
   TrustSession session(device.device, map_of(room, tally.map_sigma_m, seed));
   ShotJoiner unmoved(session.session()), moved(session.session());
   for (std::size_t s = 0; s < tally.shots_each; ++s) {

@@ -23,6 +23,6 @@ struct JoinTally {
 
 /// One device at several places in a room, each with its own errors, unmoved; then again with one sensor moved before
 /// the last shot.
-void run_join_trial(const TrustRoom& room, uint64_t seed, const TrustOptions& options, JoinTally& tally);
+void run_join_trial(const TrustRoom& room, uint64_t seed, const TrustDeviceOptions& options, JoinTally& tally);
 
 }  // namespace roomcal::tools

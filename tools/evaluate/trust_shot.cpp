@@ -1,6 +1,8 @@
 #include "tools/evaluate/trust_shot.h"
 
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -31,11 +33,23 @@ SE3 disturbed(const SE3& T, Random& random) {
   return T * se3_exp(xi);
 }
 
-Scene trust_scene(uint64_t seed, bool pillar) {
+Scene usual_room(uint64_t seed) {
   RoomOptions options;
   options.seed = seed;
-  options.pillar = pillar;
   return make_room(options);
+}
+
+/// Sheets and their images in mirrors, where there is light.
+std::vector<MarkerTruth> sheets_in_view(const Scene& scene, const camera::Camera& camera, const SE3& T_room_cam) {
+  std::vector<MarkerTruth> seen = project_markers(scene, camera, T_room_cam);
+  for (const MarkerTruth& image : project_mirrored_markers(scene, camera, T_room_cam)) seen.push_back(image);
+  if (!scene.darkness) return seen;
+  std::set<int> lit;
+  constexpr double kEnough = 0.1;  // of the light: then paper and ink differ by 20 grey levels
+  for (const SceneMarker& marker : markers_of(scene))
+    if (scene.darkness->share_at(marker.centre_room) >= kEnough) lit.insert(marker.id);
+  std::erase_if(seen, [&](const MarkerTruth& marker) { return !lit.contains(marker.id); });
+  return seen;
 }
 
 }  // namespace
@@ -47,10 +61,17 @@ camera::Camera given_lens(const camera::Camera& truth, const camera::IntrinsicsS
   return camera::Camera::create(camera::with_parameters(k, camera::parameters_of(k) + off)).value();
 }
 
-TrustRoom::TrustRoom(uint64_t seed, bool pillar)
-    : scene_(std::make_unique<Scene>(trust_scene(seed, pillar))),
+TrustRoom::TrustRoom(uint64_t seed) : TrustRoom(usual_room(seed)) {}
+
+TrustRoom::TrustRoom(Scene scene)
+    : scene_(std::make_unique<Scene>(std::move(scene))),
       simulator_(std::make_unique<SweepSimulator>(*scene_)),
       data_(map_data_of(*scene_)) {}
+
+TrustRoom::TrustRoom(Scene scene, MapData map)
+    : scene_(std::make_unique<Scene>(std::move(scene))),
+      simulator_(std::make_unique<SweepSimulator>(*scene_)),
+      data_(std::move(map)) {}
 
 std::string TrustDevice::name(std::size_t sensor) const {
   const std::size_t cameras = device.cameras.size();
@@ -58,21 +79,31 @@ std::string TrustDevice::name(std::size_t sensor) const {
                                       : device.lidars[sensor - cameras].name.view());
 }
 
-TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, bool refine_intrinsics) {
+std::size_t TrustDevice::number_of(std::string_view wanted) const {
+  for (std::size_t i = 0; i < sensors(); ++i)
+    if (name(i) == wanted) return i;
+  throw ToolError(fmt::format("simulated device: no sensor {}", wanted));
+}
+
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, const TrustDeviceOptions& wanted) {
   ShotOptions options;
   options.seed = seed;
-  const PaperDevice& robot = device_named("mobile_robot");
+  const PaperDevice robot = scaled(device_named("mobile_robot"), wanted.scale);
   const Stand stand = place_device(room.scene(), robot, options);
   Random random = random_stream(seed, 71);
   TrustDevice out;
-  out.device.refine_intrinsics = refine_intrinsics;
+  out.device.refine_intrinsics = wanted.refine_intrinsics;
   Random lens_random = random_stream(seed, 70);
   for (std::size_t i = 0; i < stand.cameras.size(); ++i) {
     const TrueCamera& camera = stand.cameras[i];
     calib::CameraSpec spec;
     spec.name = std::string_view(camera.name);
     spec.intrinsics_sigma = camera::usual_sigma(camera.camera.intrinsics());
-    spec.camera = refine_intrinsics ? given_lens(camera.camera, spec.intrinsics_sigma, lens_random) : camera.camera;
+    spec.camera =
+        wanted.refine_intrinsics ? given_lens(camera.camera, spec.intrinsics_sigma, lens_random) : camera.camera;
+    for (const MountingEdge& edge : robot.edges)
+      if (edge.to == camera.name)  // all hang on the first one
+        spec.nominal = {true, edge.T_to_from().inverse(), deg_to_rad(kMountSigma_rot_deg), kMountSigma_t_m};
     static_cast<void>(out.device.cameras.push_back(spec));
     out.lenses.push_back(camera.camera);
     out.T_rig_sensor.push_back(stand.cameras[0].T_room_cam.inverse() * camera.T_room_cam);
@@ -101,7 +132,7 @@ SE3 place_trust_device(const TrustRoom& room, uint64_t seed) {
 std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
                                          Random& random, double typical_sigma_px) {
   std::vector<marker::Detection> rings;
-  for (const MarkerTruth& seen : project_markers(room.scene(), camera, T_room_cam)) {
+  for (const MarkerTruth& seen : sheets_in_view(room.scene(), camera, T_room_cam)) {
     if (seen.visible < 0.999 || seen.outer.major_px < kMinDiameter_px || rad_to_deg(seen.slant_rad) > kMaxSlant_deg)
       continue;
     marker::Detection ring;
@@ -126,8 +157,9 @@ TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, cons
     SweepFlaws sweep;
     sweep.sigma_m = device.device.lidars[i].ranges.sigma_m;
     sweep.beam_offset_m = device.beam_offset_m[i];
-    sweep.blocked_from_rad = random.uniform(0, 2 * kPi - flaws.blocked_rad);
-    sweep.blocked_to_rad = sweep.blocked_from_rad + flaws.blocked_rad;
+    sweep.dropout = flaws.of(i).dropout;
+    sweep.blocked_from_rad = flaws.of(i).blocked_from_rad;
+    sweep.blocked_to_rad = flaws.of(i).blocked_to_rad;
     shot.sweeps.push_back(
         room.simulator().sweep(vlp16_beams(), sweep, T_room_rig * device.T_rig_sensor[cameras + i], random.bits()));
   }
@@ -170,12 +202,12 @@ calib::Session TrustSession::session(const store::Record* installed) const {
 
 Status TrustSession::calibrate(const calib::DetectedShot& shot, const store::Record* installed,
                                calib::Observer* observer) {
-  arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
+  rewind();
   return calib::calibrate(session(installed), shot, SteadyClock(), arenas_, *outcome_, observer);
 }
 
 Status TrustSession::calibrate(const calib::Shot& shot) {
-  arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes));
+  rewind();
   return calib::calibrate(session(nullptr), shot, SteadyClock(), arenas_, *outcome_);
 }
 

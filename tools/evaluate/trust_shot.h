@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/calib/memory_plan.h"
@@ -16,8 +17,12 @@ namespace roomcal::tools {
 /// A simulated room with its map, and what a session wants of it.
 class TrustRoom {
  public:
-  /// @param pillar  stands in the room, and the map does not know it: too few markers on its faces.
-  explicit TrustRoom(uint64_t seed, bool pillar = false);
+  /// The usual room of this seed.
+  explicit TrustRoom(uint64_t seed);
+  /// A room and its own map.
+  explicit TrustRoom(Scene scene);
+  /// What has become of a room since its map was made.
+  TrustRoom(Scene scene, MapData map);
 
   const Scene& scene() const { return *scene_; }
   const SweepSimulator& simulator() const { return *simulator_; }
@@ -38,9 +43,14 @@ struct TrustDevice {
 
   std::size_t sensors() const { return T_rig_sensor.size(); }
   std::string name(std::size_t sensor) const;
+  /// @throws ToolError for a name that no sensor has.
+  std::size_t number_of(std::string_view name) const;
 };
-/// @param refine_intrinsics  the provisioned lenses are off by a draw from their prior, and are refined along.
-TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, bool refine_intrinsics = false);
+struct TrustDeviceOptions {
+  bool refine_intrinsics = false;  ///< the provisioned lenses are off by a draw from their prior, and are refined along
+  double scale = 1;                ///< of the cameras' resolution
+};
+TrustDevice make_trust_device(const TrustRoom& room, uint64_t seed, const TrustDeviceOptions& options = {});
 
 /// A place in the room where this device may stand: the reference camera's pose.
 SE3 place_trust_device(const TrustRoom& room, uint64_t seed);
@@ -50,14 +60,21 @@ struct TrustShot {
   std::vector<std::vector<marker::Detection>> rings;
   std::vector<SimulatedSweep> sweeps;
 };
+/// What is wrong with LiDARs in one shot.
 struct TrustFlaws {
-  double blocked_rad = 0;  ///< of each LiDAR's horizon
+  struct OfLidar {
+    double blocked_from_rad = 0, blocked_to_rad = 0;  ///< azimuths at which something stands before it
+    double dropout = 0;                               ///< share of firings without a return
+  };
+  std::vector<OfLidar> lidars = {};  ///< may be shorter than the device's: the others have none
+  OfLidar of(std::size_t lidar) const { return lidar < lidars.size() ? lidars[lidar] : OfLidar(); }
 };
 TrustShot take_trust_shot(const TrustRoom& room, const TrustDevice& device, const SE3& T_room_rig,
                           const TrustFlaws& flaws, Random& random);
 /// Of a ring centre, per axis: what the detector reaches on markers of 40 px.
 inline constexpr double kRingSigma_px = 0.03;
-/// Rings of one camera only. @param typical_sigma_px  each ring has 0.7 to 1.5 of it and says so
+/// Rings of one camera only: of sheets and of their images in mirrors, where there is light.
+/// @param typical_sigma_px  each ring has 0.7 to 1.5 of it and says so
 std::vector<marker::Detection> see_rings(const TrustRoom& room, const camera::Camera& camera, const SE3& T_room_cam,
                                          Random& random, double typical_sigma_px = kRingSigma_px);
 /// A lens as its own calibration left it.
@@ -95,6 +112,8 @@ class TrustSession {
   calib::Session session(const store::Record* installed) const;
 
  private:
+  void rewind() { arenas_.step = Arena(std::span(block_).subspan(plan_.permanent_bytes, plan_.step_bytes)); }
+
   LoadedMap map_;
   const calib::Device& device_;
   calib::MemoryPlan plan_;

@@ -111,7 +111,7 @@ TEST(TrustJoin, FewShots_AreMoreCertainThanOneAndSayNoMoreThanTheyKnow) {
   for (const bool refine : {false, true}) {
     JoinTally tally;
     tally.shots_each = 2;
-    TrustOptions options;
+    TrustDeviceOptions options;
     options.refine_intrinsics = refine;
     for (uint64_t seed = 1; seed <= 2; ++seed) run_join_trial(room, seed, options, tally);
     EXPECT_EQ(tally.joined_passed, tally.trials);

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "tools/evaluate/shot_kind.h"
+#include "tools/evaluate/shot_result.h"
+
+namespace roomcal::tools {
+
+using ShotTallies = std::array<ShotTally, kShotKinds.size()>;
+
+/// `shots` of them at the level of observations: a fifth clean, the others of all kinds in turn, each in a room,
+/// a place and a device of its own. The same seed gives the same shots, whatever the number of cores.
+/// Cost: about 0.1 s of one core a shot.
+ShotTallies run_observed_shots(uint64_t seed, int shots);
+
+/// The same shots at both levels.
+struct RenderedTallies {
+  ShotTallies rendered, observed;
+};
+/// `shots` of each of these kinds through images and packets, and again at the level of observations. Some share a
+/// room. Cost: about a second of one core a shot.
+RenderedTallies run_rendered_shots(uint64_t seed, int shots, std::span<const ShotKind> kinds = kShotKinds);
+
+}  // namespace roomcal::tools
