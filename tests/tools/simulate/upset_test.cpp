@@ -67,8 +67,11 @@ TEST(Upset, DarkHalf_HasNextToNoLightAndTheOtherKeepsIts) {
   for (const double side : {-1.0, 1.0}) {
     const Vec3 place(middle.x() + side * into_dark.x(), middle.y() + side * into_dark.y(), 0);
     const double share = irradiance(after, place, up) / irradiance(before, place, up);
-    if (side > 0) EXPECT_LE(share, 0.03);
-    if (side < 0) EXPECT_EQ(share, 1);
+    if (side > 0) {
+      EXPECT_LE(share, 0.03);
+    } else {
+      EXPECT_EQ(share, 1);
+    }
   }
 }
 
