@@ -17,7 +17,6 @@ namespace roomcal::tools {
 
 namespace {
 
-constexpr std::size_t kRooms = 24;
 constexpr double kRenderedScale = 0.4;  // of the cameras: 512 x 288, rings of 25 px at 1.5 m
 constexpr int kShotsPerRoom = 25;       // rendered: light is worked out once for all of them
 
@@ -121,8 +120,8 @@ uint64_t shot_seed(uint64_t seed, std::size_t shot) { return random_stream(seed,
 
 }  // namespace
 
-ShotTallies run_observed_shots(uint64_t seed, int shots) {
-  const std::vector<TrustRoom> rooms = make_rooms(seed, std::min(kRooms, static_cast<std::size_t>(shots) + 1));
+ShotTallies run_observed_shots(uint64_t seed, int shots, std::size_t wanted_rooms) {
+  const std::vector<TrustRoom> rooms = make_rooms(seed, std::min(wanted_rooms, static_cast<std::size_t>(shots) + 1));
   SharedProgress progress("shots", static_cast<std::size_t>(shots));
   std::vector<ShotResult> results(static_cast<std::size_t>(shots));
   parallel_for(shots, [&](int i) {

@@ -11,10 +11,13 @@ namespace roomcal::tools {
 
 using ShotTallies = std::array<ShotTally, kShotKinds.size()>;
 
-/// `shots` of them at the level of observations: a fifth clean, the others of all kinds in turn, each in a room,
-/// a place and a device of its own. The same seed gives the same shots, whatever the number of cores.
-/// Cost: about 0.1 s of one core a shot.
-ShotTallies run_observed_shots(uint64_t seed, int shots);
+inline constexpr std::size_t kShotRooms = 24;
+
+/// `shots` of them at the level of observations: a fifth clean, the others of all kinds in turn, each in one of the
+/// rooms, a place and a device of its own. The same seed gives the same shots, whatever the number of cores.
+/// @param rooms  from 2
+/// Cost: about a second of one core a room, 0.3 s a shot.
+ShotTallies run_observed_shots(uint64_t seed, int shots, std::size_t rooms = kShotRooms);
 
 /// The same shots at both levels.
 struct RenderedTallies {
