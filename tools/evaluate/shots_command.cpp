@@ -20,33 +20,53 @@ struct Arguments {
   std::filesystem::path document;
 };
 
+constexpr int kWholeShots = 10'000, kWholeRendered = 200;  // what the bars are meant of
+
+/// Says so where a run is only a part of what the bars are meant of.
+std::string whole_of(const char* option, int count, int whole, uint64_t seed) {
+  if (count >= whole) return "";
+  return fmt::format(
+      "**This is a part:** the bars are meant of {}, which `roomcal evaluate {} {} --seed {}` measures.\n\n", whole,
+      option, whole, seed);
+}
+
 void publish(const Arguments& arguments, const EvaluationSection& section) {
-  fmt::print("{}\n", section.body);
   if (!arguments.document.empty()) write_section(arguments.document, section);
 }
 
+EvaluationSection section_of(uint64_t seed, int shots, const ShotTallies& tallies) {
+  return {"shots", "Shots of every kind", fmt::format("roomcal evaluate --shots {} --seed {}", shots, seed),
+          fmt::format(
+              "{} shots, seed {}, of the paper's robot with two VLP-16 in {} random rooms, simulated at the level of "
+              "observations (ring centres with their covariance, LiDAR points). All but clean ones must be refused or "
+              "come out right.\n\n{}{}",
+              shots, seed, kShotRooms, whole_of("--shots", shots, kWholeShots, seed), report_of(tallies))};
+}
+
+// The document has the shots so far: hours of work are not lost with a run that is cut short.
 bool observe_shots(const Arguments& arguments) {
-  const ShotTallies tallies = run_observed_shots(arguments.seed, arguments.shots);
-  publish(arguments,
-          {"shots", "Shots of every kind",
-           fmt::format("roomcal evaluate --shots {} --seed {}", arguments.shots, arguments.seed),
-           fmt::format(
-               "{} shots, seed {}, of the paper's robot with two VLP-16 in 24 random rooms, simulated at the level of "
-               "observations (ring centres with their covariance, LiDAR points). All but clean ones must be refused or "
-               "come out right.\n\n{}",
-               arguments.shots, arguments.seed, report_of(tallies))});
+  const auto keep = [&](int shots, const ShotTallies& so_far) {
+    publish(arguments, section_of(arguments.seed, shots, so_far));
+  };
+  const ShotTallies tallies = run_observed_shots(arguments.seed, arguments.shots, kShotRooms, keep);
+  fmt::print("{}\n", section_of(arguments.seed, arguments.shots, tallies).body);
   return all_met(bars_of(tallies));
 }
 
+EvaluationSection section_of(uint64_t seed, int shots, const RenderedTallies& tallies) {
+  return {"rendered", "Rendered shots of every kind",
+          fmt::format("roomcal evaluate --rendered {} --seed {}", shots, seed),
+          fmt::format("{} shots of every kind, seed {}, through images and packets, and the same shots at the level of "
+                      "observations.\n\n{}{}",
+                      shots, seed, whole_of("--rendered", shots, kWholeRendered, seed), report_of(tallies))};
+}
+
 bool render_shots(const Arguments& arguments) {
-  const RenderedTallies tallies = run_rendered_shots(arguments.seed, arguments.rendered);
-  publish(
-      arguments,
-      {"rendered", "Rendered shots of every kind",
-       fmt::format("roomcal evaluate --rendered {} --seed {}", arguments.rendered, arguments.seed),
-       fmt::format("{} shots of every kind, seed {}, through images and packets, and the same shots at the level of "
-                   "observations.\n\n{}",
-                   arguments.rendered, arguments.seed, report_of(tallies))});
+  const auto keep = [&](int shots, const RenderedTallies& so_far) {
+    publish(arguments, section_of(arguments.seed, shots, so_far));
+  };
+  const RenderedTallies tallies = run_rendered_shots(arguments.seed, arguments.rendered, kShotKinds, keep);
+  fmt::print("{}\n", section_of(arguments.seed, arguments.rendered, tallies).body);
   return all_met(bars_of(tallies));
 }
 

@@ -1,6 +1,7 @@
 #include "tools/evaluate/shots_run.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -118,28 +119,40 @@ bool looks_different(ShotKind kind) {
 
 uint64_t shot_seed(uint64_t seed, std::size_t shot) { return random_stream(seed, 1000 + shot).bits() >> 24; }
 
+/// Number `shot` of a seed, whatever the number of shots.
+ShotResult run_observed_shot(const std::vector<TrustRoom>& rooms, uint64_t seed, int shot) {
+  const uint64_t own = shot_seed(seed, static_cast<std::size_t>(shot));
+  Random random = random_stream(own, 77);
+  const std::size_t at = random.below(rooms.size()), next = (at + 1 + random.below(rooms.size() - 1)) % rooms.size();
+  const ShotKind kind = kind_of(shot);
+  const TrustRoom room = upset(kind, rooms[at], rooms[next], random);
+  return run_observed(room, rooms[next], set_up(kind, room, rooms[next], own, 1), own);
+}
+
 }  // namespace
 
-ShotTallies run_observed_shots(uint64_t seed, int shots, std::size_t wanted_rooms) {
+ShotTallies run_observed_shots(uint64_t seed, int shots, std::size_t wanted_rooms,
+                               const std::function<void(int, const ShotTallies&)>& so_far) {
+  constexpr int kBlock = 1000;
   const std::vector<TrustRoom> rooms = make_rooms(seed, std::min(wanted_rooms, static_cast<std::size_t>(shots) + 1));
   SharedProgress progress("shots", static_cast<std::size_t>(shots));
-  std::vector<ShotResult> results(static_cast<std::size_t>(shots));
-  parallel_for(shots, [&](int i) {
-    const auto number = static_cast<std::size_t>(i);
-    const uint64_t own = shot_seed(seed, number);
-    Random random = random_stream(own, 77);
-    const std::size_t at = random.below(rooms.size()), next = (at + 1 + random.below(rooms.size() - 1)) % rooms.size();
-    const TrustRoom room = upset(kind_of(i), rooms[at], rooms[next], random);
-    results[number] = run_observed(room, rooms[next], set_up(kind_of(i), room, rooms[next], own, 1), own);
-    progress.step();
-  });
   ShotTallies tallies;
-  for (int i = 0; i < shots; ++i)
-    tallies[static_cast<std::size_t>(kind_of(i))].add(results[static_cast<std::size_t>(i)]);
+  for (int first = 0; first < shots; first += kBlock) {
+    const int count = std::min(kBlock, shots - first);
+    std::vector<ShotResult> results(static_cast<std::size_t>(count));
+    parallel_for(count, [&](int i) {
+      results[static_cast<std::size_t>(i)] = run_observed_shot(rooms, seed, first + i);
+      progress.step();
+    });
+    for (int i = 0; i < count; ++i)
+      tallies[static_cast<std::size_t>(kind_of(first + i))].add(results[static_cast<std::size_t>(i)]);
+    if (so_far) so_far(first + count, tallies);
+  }
   return tallies;
 }
 
-RenderedTallies run_rendered_shots(uint64_t seed, int shots, std::span<const ShotKind> kinds) {
+RenderedTallies run_rendered_shots(uint64_t seed, int shots, std::span<const ShotKind> kinds,
+                                   const std::function<void(int, const RenderedTallies&)>& so_far) {
   const int groups = (shots + kShotsPerRoom - 1) / kShotsPerRoom;
   const std::vector<TrustRoom> rooms = make_rooms(seed, static_cast<std::size_t>(groups) + 1);
   SharedProgress progress("rendered shots", kinds.size() * static_cast<std::size_t>(shots));
@@ -167,6 +180,7 @@ RenderedTallies run_rendered_shots(uint64_t seed, int shots, std::span<const Sho
       for (const ShotResult& result : rendered) tallies.rendered[k].add(result);
       for (const ShotResult& result : observed) tallies.observed[k].add(result);
     }
+    if (so_far) so_far(std::min(shots, (group + 1) * kShotsPerRoom), tallies);
   }
   return tallies;
 }

@@ -32,7 +32,14 @@ TEST(Shots, AFewOfEveryKind_AreRefusedOrRight) {
 }
 
 TEST(Shots, SameSeed_GivesTheSameFigures) {
-  const std::string report = report_of(run_observed_shots(5, 2, 2));
+  int so_far = 0;
+  std::string kept;
+  const std::string report = report_of(run_observed_shots(5, 2, 2, [&](int shots, const ShotTallies& tallies) {
+    so_far = shots;
+    kept = report_of(tallies);
+  }));
+  EXPECT_EQ(so_far, 2);
+  EXPECT_EQ(kept, report);
   EXPECT_EQ(report, report_of(run_observed_shots(5, 2, 2)));
   EXPECT_NE(report, report_of(run_observed_shots(6, 2, 2)));
 }
@@ -128,6 +135,7 @@ TEST_F(ShotsCommand, Document_GetsWhatIsPrintedWithSeedAndCommand) {
   std::filesystem::remove(file);
   EXPECT_NE(text.find("`roomcal evaluate --shots 1 --seed 4` at commit `"), std::string::npos);
   EXPECT_NE(text.find("1 shots, seed 4"), std::string::npos);
+  EXPECT_NE(text.find("`roomcal evaluate --shots 10000 --seed 4`"), std::string::npos);
   EXPECT_NE(text.find(printed_.substr(0, printed_.find('\n'))), std::string::npos);
 }
 
