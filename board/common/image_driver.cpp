@@ -187,18 +187,4 @@ Status ImageDriver::choose(const profile::CameraProfile& camera, const profile::
   return {StatusCode::kUnsupported, "an image driver that this program does not know"};
 }
 
-const char* to_string(profile::ImageDriver driver) {
-  switch (driver) {
-    case profile::ImageDriver::kReplay:
-      return "replay";
-    case profile::ImageDriver::kV4l2:
-      return "v4l2";
-    case profile::ImageDriver::kLibcamera:
-      return "libcamera";
-    case profile::ImageDriver::kAravis:
-      return "aravis";
-  }
-  return "unknown";
-}
-
 }  // namespace roomcal::board

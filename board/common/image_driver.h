@@ -62,7 +62,4 @@ class ImageDriver {
 #endif
 };
 
-/// "v4l2", "replay", ...
-const char* to_string(profile::ImageDriver driver);
-
 }  // namespace roomcal::board

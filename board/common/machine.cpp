@@ -8,6 +8,7 @@
 #include "board/common/stack.h"
 #include "runtime/base/reason.h"
 #include "runtime/calib/lidar_models.h"
+#include "runtime/profile/driver_check.h"
 
 namespace roomcal::board {
 
@@ -31,6 +32,7 @@ Status Machine::fail(Status status, std::string_view part, Reason& why) {
 Status Machine::plan(Reason& why) {
   ROOMCAL_TRY(load_files(options_.folder, files_, why));
   const profile::Profile& profile = *files_.profile;
+  ROOMCAL_TRY(profile::check_drivers(profile, why));
   if (const Status made = to_device(profile, device_); !made.ok()) return fail(made, "profile", why);
   if (!profile.wiring.replay_folder.empty()) {
     const std::string shots = options_.folder.below(profile.wiring.replay_folder.view());
@@ -167,17 +169,15 @@ Status Machine::open_lidar(std::size_t i, Reason& why) {
 Status Machine::open_trigger(Reason& why) {
   const profile::TriggerWiring& w = files_.profile->wiring.trigger;
   switch (w.kind) {
-    case profile::TriggerKind::kNone:
-      return ok_status();
     case profile::TriggerKind::kLine: {
       drivers::GpioTriggerOptions options;
       options.line.chip = w.chip.view();
       options.line.line = w.line;
       options.pulse_us = w.pulse_us;
       auto& trigger = trigger_.emplace<drivers::GpioTrigger>(options, files_kernel_, clocks_);
+      if (const Status started = trigger.start(); !started.ok()) return fail(started, "trigger", why);
       sources_.trigger = &trigger;
-      const Status started = trigger.start();
-      return started.ok() ? started : fail(started, "trigger", why);
+      break;
     }
     case profile::TriggerKind::kAction: {
       drivers::ActionOptions options;
@@ -187,16 +187,48 @@ Status Machine::open_trigger(Reason& why) {
       options.group_mask = w.group_mask;
       options.lead_ns = int64_t{w.lead_us} * 1'000;
       auto& trigger = trigger_.emplace<drivers::ActionTrigger>(options, clocks_, log_);
+      if (const Status opened = trigger.open(); !opened.ok()) return fail(opened, "trigger", why);
       sources_.trigger = &trigger;
-      const Status opened = trigger.open();
-      return opened.ok() ? opened : fail(opened, "trigger", why);
+      break;
     }
     case profile::TriggerKind::kCan:
       sources_.trigger = &can_.trigger();
-      return ok_status();
-    case profile::TriggerKind::kSoftware:
+      break;
+    case profile::TriggerKind::kNone:
+    case profile::TriggerKind::kSoftware:  // when there are cameras to listen to it
       break;
   }
+  return ok_status();
+}
+
+// Stillness is proved by the pictures, so cameras that run free give a shot too; whoever allows it is told.
+Status Machine::settle_trigger(Reason& why) {
+  profile::Profile& profile = *files_.profile;
+  profile::TriggerWiring& w = profile.wiring.trigger;
+  const Status opened = open_trigger(why);
+  if (!opened.ok()) {
+    if (!w.may_run_free) return opened;
+    trigger_trouble_ = make_reason("%.*s: cameras run free", static_cast<int>(why.view().size()), why.view().data());
+    why.clear();
+    w.kind = profile::TriggerKind::kNone;
+  }
+  for (profile::CameraProfile& camera : profile.cameras) {
+    if (opened.ok() && profile::obeys(camera, w.kind)) continue;
+    profile::run_free(camera);
+    const Name who(camera.name);
+    if (trigger_trouble_.empty())
+      trigger_trouble_ = make_reason(
+          "trigger: %.*s: neither driver nor device has the one that it should wait for: it "
+          "runs free",
+          who.length, who.text);
+  }
+  synchronization_ = profile::synchronization(profile);
+  if (!trigger_trouble_.empty()) log_.note("trigger", trigger_trouble_.view());
+  return ok_status();
+}
+
+Status Machine::gather_software_trigger(Reason& why) {
+  if (files_.profile->wiring.trigger.kind != profile::TriggerKind::kSoftware) return ok_status();
 #if ROOMCAL_ARAVIS || ROOMCAL_LIBCAMERA
   auto& trigger = trigger_.emplace<drivers::SoftwareTrigger>(clocks_);
   for (std::size_t i = 0; i < files_.profile->cameras.size(); ++i) {
@@ -209,6 +241,13 @@ Status Machine::open_trigger(Reason& why) {
 #else
   return fail({StatusCode::kUnsupported, "this program has no camera driver that listens to software"}, "trigger", why);
 #endif
+}
+
+void Machine::open_thermometer() {
+  const profile::PathText& path = files_.profile->wiring.thermometer.path;
+  if (path.empty()) return;
+  thermometer_.emplace(std::string_view(options_.folder.below(path.view())), files_kernel_);
+  if (const Status started = thermometer_->start(); !started.ok()) log_.note("thermometer", started.detail());
 }
 
 grab::GrabOptions Machine::grab_options() const {
@@ -249,7 +288,8 @@ Status Machine::make_session(Reason& why) {
                                   .surface = device_.lidars.empty() ? nullptr : &surface_});
   grabber_.emplace(sources_, grab_options(), clocks_);
   press_.emplace(press::Parts{*session_, *grabber_, store_, *arenas_, clocks_, kFirmware, files_.profile->serial,
-                              &press_thread_.link.pulse.last()});
+                              &press_thread_.link.pulse.last(), thermometer_ ? &*thermometer_ : nullptr,
+                              synchronization_});
   look_.emplace(device_, session_->limits, sources_, *arenas_, clocks_);
   press_thread_.prepare(*press_, *look_, clocks_);
   return ok_status();
@@ -281,9 +321,11 @@ Status Machine::arm(Reason& why) {
   ROOMCAL_TRY(reserve(why));
   ROOMCAL_TRY(open_store(why));
   ROOMCAL_TRY(place_map(why));
+  ROOMCAL_TRY(settle_trigger(why));
   ROOMCAL_TRY(open_cameras(why));
+  ROOMCAL_TRY(gather_software_trigger(why));
   ROOMCAL_TRY(open_lidars(why));
-  ROOMCAL_TRY(open_trigger(why));
+  open_thermometer();
   ROOMCAL_TRY(make_session(why));
   ROOMCAL_TRY(start_threads(why));
   arena_.seal();

@@ -17,6 +17,7 @@
 #include "drivers/os/linux_clocks.h"
 #include "drivers/os/locked_memory.h"
 #include "drivers/store/fd_medium.h"
+#include "drivers/thermal/sysfs_thermometer.h"
 #if ROOMCAL_ARAVIS || ROOMCAL_LIBCAMERA
 #include "drivers/relay/software_trigger.h"
 #endif
@@ -82,7 +83,10 @@ class Machine {
   Status open_cameras(Reason& why);
   Status open_lidars(Reason& why);
   Status open_lidar(std::size_t i, Reason& why);
+  void open_thermometer();
   Status open_trigger(Reason& why);
+  Status settle_trigger(Reason& why);
+  Status gather_software_trigger(Reason& why);
   Status make_session(Reason& why);
   Status start_threads(Reason& why);
   Status fail(Status status, std::string_view part, Reason& why);
@@ -126,6 +130,9 @@ class Machine {
                >
       trigger_;
   grab::Sources sources_;
+  store::Serial synchronization_;  ///< what makes the cameras expose, in a word or two
+  Reason trigger_trouble_;         ///< why it is not what the profile asks for
+  std::optional<drivers::SysfsThermometer> thermometer_;
 
   std::optional<calib::Session> session_;
   std::optional<grab::Grabber> grabber_;

@@ -33,6 +33,8 @@ void Machine::examine(face::Vitals& vitals) {
     static_cast<void>(vitals.arenas.push_back(vitals_of("scratch", arenas_->scratch)));
   }
   if (!armed_) return;
+  vitals.trigger = synchronization_;
+  vitals.trigger_trouble = trigger_trouble_;
   for (std::size_t i = 0; i < device_.cameras.size(); ++i) {
     static_cast<void>(vitals.cameras.push_back(camera_threads_[i].vitals()));
     static_cast<void>(

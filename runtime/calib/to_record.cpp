@@ -55,6 +55,7 @@ Status to_record(const Outcome& outcome, const Device& device, const RecordConte
   record.device_serial = context.device_serial;
   record.measured_unix_s = context.measured_unix_s;
   record.temperature_c = context.temperature_c;
+  record.trigger = context.trigger;
   record.chi2 = outcome.solution.chi2;
   record.degrees_of_freedom = static_cast<uint32_t>(outcome.solution.degrees_of_freedom);
   for (std::size_t i = 0; i < outcome.cameras.size(); ++i) {

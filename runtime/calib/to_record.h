@@ -17,6 +17,7 @@ struct RecordContext {
   store::Serial device_serial;
   int64_t measured_unix_s = 0;                                      ///< 0: the device has no clock
   double temperature_c = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
+  store::Serial trigger;                                            ///< empty: not told
 };
 
 /// The outcome as it is stored: every sensor whose T_rig_sensor was measured, no other. Generations are the store's to

@@ -81,6 +81,7 @@ void write_stamp(const store::Record& record, TextWriter& out) {
     out.text("null");
   else
     out.number(record.temperature_c);
+  out.text(",\n  \"trigger\": ").quoted(record.trigger.view());
   out.text(",\n  \"joint_fit\": {\"chi2\": ").number(record.chi2).text(", \"degrees_of_freedom\": ");
   out.unsigned_integer(record.degrees_of_freedom).text("},\n");
 }

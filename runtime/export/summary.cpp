@@ -50,7 +50,10 @@ void write_summary(const store::Record& record, TextWriter& out) {
       .text(", content of generation ")
       .unsigned_integer(record.content_generation);
   out.text(", device ").text(record.device_serial.view()).text(", map ").text(record.map_id.view()).text(", firmware ");
-  out.text(record.firmware_id.view()).text("\n");
+  out.text(record.firmware_id.view());
+  if (!record.trigger.empty()) out.text(", trigger ").text(record.trigger.view());
+  if (!std::isnan(record.temperature_c)) out.text(", ").fixed(record.temperature_c, 1).text(" degC");
+  out.text("\n");
   for (const Reason& reason : record.reasons) out.text("  ").text(reason.view()).text("\n");
   for (const store::SensorRecord& sensor : record.sensors) write_sensor(sensor, out);
 }

@@ -60,6 +60,7 @@ Status Answers::sensors(Reply& reply) {
   desk_.examine(vitals_);
   for (const CameraVitals& camera : vitals_.cameras) tell_camera(camera, reply);
   for (const LidarVitals& lidar : vitals_.lidars) tell_lidar(lidar, reply);
+  if (!vitals_.trigger.empty()) reply.text("trigger", vitals_.trigger.view());
   if (!vitals_.has_can) return ok_status();
   const ports::CanCounters& can = vitals_.can_counters;
   reply.open("can");

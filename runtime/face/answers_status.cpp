@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "runtime/base/reason.h"
 #include "runtime/face/answers.h"
 
@@ -107,6 +109,7 @@ Status Answers::health(Reply& reply) {
   for (const LidarVitals& lidar : vitals_.lidars) tell(complaint(lidar, vitals_.now_ns));
   if (vitals_.has_can && vitals_.can != ports::CanState::kActive)
     tell(make_reason("can: %s: check wiring, bit rate and the other stations", to_string(vitals_.can)));
+  tell(vitals_.trigger_trouble);
   tell(vitals_.servo_trouble);
   if (vitals_.has_stillness && !vitals_.stillness.still) tell(vitals_.stillness.why);
   if (!vitals_.locked && vitals_.locked_bytes > 0)
@@ -147,6 +150,7 @@ Status Answers::result(Reply& reply) {
   reply.flag("stored", report.stored);
   if (report.stored) reply.integer("generation", static_cast<int64_t>(report.generation));
   reply.integer("measured_unix_s", report.measured_unix_s);
+  if (!std::isnan(report.temperature_c)) reply.number("temperature_c", report.temperature_c, 1, "degC");
   reply.number("spread_ms", to_ms(report.spread_ns), 3, "ms");
   reply.number("spread_uncertainty_ms", to_ms(report.spread_uncertainty_ns), 3, "ms");
   reply.integer("tries", static_cast<int64_t>(report.tries));

@@ -71,6 +71,8 @@ struct Vitals {
   bool has_can = false;
   ports::CanState can = ports::CanState::kDown;
   ports::CanCounters can_counters;
+  FixedText<31> trigger;       ///< what makes the cameras expose: "line", "free", ...
+  Reason trigger_trouble;      ///< why it is not what the profile asks for; empty if it is
   Reason servo_trouble;        ///< empty where there is none, or no servo
   ports::Stillness stillness;  ///< as the sensors of motion see it; still where there are none
   bool has_stillness = false;

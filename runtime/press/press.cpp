@@ -80,6 +80,7 @@ Status Press::grab() {
   const Status grabbed = parts_.grabber.grab(*this, shot_);
   report_.grab_ns = parts_.clocks.now_ns() - begin_ns;
   report_.measured_unix_s = unix_s(parts_.clocks);
+  if (parts_.thermometer != nullptr) report_.temperature_c = parts_.thermometer->read_c();
   if (!grabbed.ok()) {
     report_.trouble = grabbed.code() == StatusCode::kUnavailable ? Trouble::kMotion
                       : grabbed.code() == StatusCode::kTooFew    ? Trouble::kImages
@@ -116,6 +117,8 @@ Status Press::keep() {
   context.firmware_id = parts_.firmware_id;
   context.device_serial = parts_.device_serial;
   context.measured_unix_s = report_.measured_unix_s;
+  context.temperature_c = report_.temperature_c;
+  context.trigger = parts_.trigger;
   Status kept = calib::to_record(outcome_, parts_.session.device, context, record_);
   if (kept.ok()) kept = parts_.store.commit(record_, unix_s(parts_.clocks));
   if (kept.ok()) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "runtime/base/arena.h"
@@ -11,6 +12,7 @@
 #include "runtime/calib/to_record.h"
 #include "runtime/grab/grabber.h"
 #include "runtime/ports/system_clocks.h"
+#include "runtime/ports/thermometer.h"
 #include "runtime/press/state.h"
 #include "runtime/store/store.h"
 
@@ -25,7 +27,8 @@ struct Report {
   bool stored = false;                              ///< it is in force, and survives any power cut
   uint64_t generation = 0;                          ///< of the record that was written
   int64_t measured_unix_s = 0;
-  int64_t spread_ns = 0;  ///< of the exposures
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();  ///< at the grab; NaN: not known
+  int64_t spread_ns = 0;                                            ///< of the exposures
   int64_t spread_uncertainty_ns = 0;
   std::size_t tries = 0;  ///< shots that were taken until the device stood still
   int64_t grab_ns = 0, compute_ns = 0, write_ns = 0, total_ns = 0;
@@ -46,7 +49,9 @@ struct Parts {
   const ports::SystemClocks& clocks;
   store::LongId firmware_id;
   store::Serial device_serial;
-  std::atomic<int64_t>* alive_ns = nullptr;  ///< set to now at every step, for the watchdog; null: nobody asks
+  std::atomic<int64_t>* alive_ns = nullptr;   ///< set to now at every step, for the watchdog; null: nobody asks
+  ports::Thermometer* thermometer = nullptr;  ///< null: there is none
+  store::Serial trigger;                      ///< what makes the cameras expose, for the record
 };
 
 /// One press of the button, from standing still to the store.

@@ -127,6 +127,7 @@ bool take_trigger(const fbs::Wiring& stored, TriggerWiring& out) {
   out.group_key = stored.trigger_group_key();
   out.group_mask = stored.trigger_group_mask();
   out.lead_us = stored.trigger_lead_us();
+  out.may_run_free = stored.trigger_may_run_free();
   return take_enum(stored.trigger_kind(), TriggerKind::kCan, out.kind) && take_text(stored.trigger_chip(), out.chip) &&
          take_text(stored.trigger_line(), out.line) && take_text(stored.trigger_address(), out.address);
 }
@@ -159,7 +160,7 @@ bool take(const fbs::Wiring& stored, Wiring& out) {
          take_text(stored.can_interface(), out.can.interface) && take_text(stored.watchdog_path(), out.watchdog.path) &&
          take_enum(stored.store_kind(), StoreKind::kNvmem, out.store.kind) &&
          take_text(stored.store_path(), out.store.path) && take_text(stored.replay_folder(), out.replay_folder) &&
-         take_text(stored.imu_path(), out.imu.path);
+         take_text(stored.imu_path(), out.imu.path) && take_text(stored.thermometer_path(), out.thermometer.path);
 }
 
 Status take_sensors(const fbs::Profile& stored, Profile& out) {

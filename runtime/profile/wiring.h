@@ -84,6 +84,8 @@ struct TriggerWiring {
   ShortText address;  ///< kAction: where the datagram goes, a camera's or a broadcast address
   uint32_t device_key = 0, group_key = 1, group_mask = 1;
   uint32_t lead_us = 0;  ///< kAction: the cameras expose so much later, all at one time of their PTP; 0: on receipt
+  bool may_run_free =
+      false;  ///< where it cannot be had, cameras run free, and it is told; else the device does not arm
 };
 
 enum class ButtonKind : uint8_t { kNone, kEvdev, kLine };
@@ -129,6 +131,11 @@ struct ImuWiring {
   PathText path;  ///< "/sys/bus/iio/devices/iio:device0"; empty: there is none
 };
 
+/// A temperature that goes into the record; see drivers/thermal.
+struct ThermometerWiring {
+  PathText path;  ///< "/sys/class/thermal/thermal_zone0/temp"; empty: there is none
+};
+
 struct WatchdogWiring {
   PathText path;  ///< empty: none
   uint32_t timeout_s = 10;
@@ -150,6 +157,7 @@ struct Wiring {
   CanWiring can;
   ServoWiring servo;
   ImuWiring imu;
+  ThermometerWiring thermometer;
   WatchdogWiring watchdog;
   StoreWiring store;
   PathText replay_folder;  ///< of the shots that replay drivers play

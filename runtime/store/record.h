@@ -71,6 +71,7 @@ struct Record {
   int64_t measured_unix_s = 0;                                      ///< 0: the device had no clock
   int64_t written_unix_s = 0;                                       ///< 0: the device had no clock
   double temperature_c = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
+  Serial trigger;                                                   ///< what made the cameras expose; empty: not told
   double chi2 = 0;                                                  ///< of the joint solution
   uint32_t degrees_of_freedom = 0;
   std::size_t reference = 0;  ///< number of the sensor whose frame is the rig's

@@ -76,7 +76,7 @@ Status check_record(const Record& record) {
   for (const Reason& reason : record.reasons)
     if (!is_printable(reason.view())) return corrupt("a reason is not printable");
   if (!is_printable(record.map_id.view()) || !is_printable(record.firmware_id.view()) ||
-      !is_printable(record.device_serial.view()))
+      !is_printable(record.device_serial.view()) || !is_printable(record.trigger.view()))
     return corrupt("an identifier is not printable");
   if (record.sensors.empty()) return corrupt("the record holds no sensor");
   if (record.reference >= record.sensors.size()) return corrupt("the record's reference is not one of its sensors");

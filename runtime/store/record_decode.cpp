@@ -74,7 +74,8 @@ Status decode_record(std::span<const std::byte> bytes, Record& record) {
   if (!fbs::VerifyRecordBuffer(verifier)) return corrupt("the record's structure is broken");
   const fbs::Record& stored = *fbs::GetRecord(payload.data());
   const bool fits = take_text(stored.map_id(), record.map_id) && take_text(stored.firmware_id(), record.firmware_id) &&
-                    take_text(stored.device_serial(), record.device_serial) && take_reasons(stored, record) &&
+                    take_text(stored.device_serial(), record.device_serial) &&
+                    take_text(stored.trigger(), record.trigger) && take_reasons(stored, record) &&
                     take_sensors(stored, record);
   if (!fits) return corrupt("the record holds more or longer entries than its version allows");
   take_figures(stored, record);

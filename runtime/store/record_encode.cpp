@@ -69,12 +69,13 @@ void put(Builder& builder, const Record& record) {
   const Text map_id = put(builder, record.map_id.view());
   const Text firmware_id = put(builder, record.firmware_id.view());
   const Text device_serial = put(builder, record.device_serial.view());
+  const Text trigger = put(builder, record.trigger.view());
   builder.Finish(
       fbs::CreateRecord(builder, record.generation, record.content_generation, record.previous_content,
                         static_cast<uint8_t>(record.action), static_cast<uint8_t>(record.verdict), reasons_at, map_id,
                         record.map_hash, firmware_id, device_serial, record.measured_unix_s, record.written_unix_s,
                         static_cast<float>(record.temperature_c), record.chi2, record.degrees_of_freedom,
-                        static_cast<uint8_t>(record.reference), sensors_at),
+                        static_cast<uint8_t>(record.reference), sensors_at, trigger),
       fbs::RecordIdentifier());
 }
 

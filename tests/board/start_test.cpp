@@ -142,6 +142,33 @@ TEST_F(BoardStart, DriverOfAnotherProgram_IsToldAtTheStart) {
   EXPECT_NE(start.reason().find("cam1: a pixel format"), std::string::npos) << start.reason();
 }
 
+TEST_F(BoardStart, SettingOfAnotherDriver_IsToldAtTheStart) {
+  folder_->profile().cameras[1].wiring.ptp = true;
+  folder_->provision();
+  Start start(folder_->path(), kSim);
+  EXPECT_EQ(start.status.code(), StatusCode::kUnsupported);
+  EXPECT_EQ(start.reason().find("cam1: driver.ptp means nothing to replay"), 0U) << start.reason();
+}
+
+TEST_F(BoardStart, TriggerThatIsNotThere_IsNamedOrCamerasRunFreeWhereTheyMay) {
+  profile::TriggerWiring& trigger = folder_->profile().wiring.trigger;
+  trigger.kind = profile::TriggerKind::kLine;
+  trigger.chip = "/dev/no-such-chip";
+  trigger.line = "1";
+  folder_->provision();
+  const Start refused(folder_->path(), kSim);
+  EXPECT_FALSE(refused.status.ok());
+  EXPECT_EQ(refused.reason().find("trigger: "), 0U) << refused.reason();
+  trigger.may_run_free = true;
+  folder_->provision();
+  Start start(folder_->path(), kSim);
+  ASSERT_TRUE(start.status.ok()) << start.reason();
+  face::Vitals vitals;
+  start.machine.examine(vitals);
+  EXPECT_EQ(vitals.trigger.view(), "free");
+  EXPECT_EQ(std::string(vitals.trigger_trouble.view()), refused.reason() + ": cameras run free");
+}
+
 // A camera that is not there is no reason not to serve: it is looked for, the others are used.
 TEST_F(BoardStart, CameraThatIsNotThere_IsLookedForWhileTheDeviceServes) {
   folder_->profile().cameras[1].wiring.driver = profile::ImageDriver::kV4l2;

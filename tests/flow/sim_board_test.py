@@ -18,6 +18,7 @@ from device import Roomcald, expect
 
 POSITION_BAR_M = 0.001
 LIDAR_BAR_M = 0.003
+TEMPERATURE_C = 41.25
 
 
 def truth_of(shot):
@@ -112,7 +113,8 @@ def story(board, truth):
 
     for form in ("json", "kalibr", "urdf", "tf", "autoware", "opencv"):
         expect(len(board.data("export", form)["document"]) > 200, f"export {form}")
-    json.loads(board.data("export", "json")["document"])
+    record = json.loads(board.data("export", "json")["document"])
+    expect((record["temperature_c"], record["trigger"]) == (TEMPERATURE_C, "free"), f"circumstances: {record}")
     expect(not board.ask("export", "camera_info", "cam9")["ok"], "export of no camera")
 
     refused = board.ask("undo")
@@ -205,7 +207,8 @@ def test(roomcal, roomcald):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         device.make_room(roomcal, folder)
-        shot = device.make_device(roomcal, folder, "sim")
+        shot = device.make_device(roomcal, folder, "sim", wiring="  thermometer: {path: temperature}\n")
+        (folder / "temperature").write_text(f"{TEMPERATURE_C * 1e3:.0f}\n")  # as the kernel tells it
         truth = truth_of(shot)
         robot_plan(roomcal, roomcald, folder)
         with Roomcald(roomcald, folder, "sim") as board:

@@ -72,6 +72,7 @@ void walk(profile::TriggerWiring& w, Fields& f) {
   f.number("group_key", w.group_key);
   f.number("group_mask", w.group_mask);
   f.number("lead_us", w.lead_us);
+  f.flag("may_run_free", w.may_run_free);
 }
 
 template <typename Fields>
@@ -120,6 +121,11 @@ void walk(profile::ImuWiring& w, Fields& f) {
 }
 
 template <typename Fields>
+void walk(profile::ThermometerWiring& w, Fields& f) {
+  f.text("path", w.path);
+}
+
+template <typename Fields>
 void walk(profile::WatchdogWiring& w, Fields& f) {
   f.text("path", w.path);
   f.number("timeout_s", w.timeout_s);
@@ -143,6 +149,7 @@ void walk_sections(profile::Wiring& w, const Visit& visit) {
   visit("can", w.can);
   visit("servo", w.servo);
   visit("imu", w.imu);
+  visit("thermometer", w.thermometer);
   visit("watchdog", w.watchdog);
   visit("store", w.store);
 }

@@ -25,6 +25,7 @@ namespace roomcal::tools {
 ///     wiring:
 ///       trigger: {kind: line, line: trig-out, chip: /dev/gpiochip0, pulse_us: 1000}  # or none, software, can, or
 ///       trigger: {kind: action, address: 192.168.7.255, device_key: 0, group_key: 1, group_mask: 1, lead_us: 0}
+///                                                     # may_run_free: true arms without it, and tells
 ///       button: {kind: evdev, path: /dev/input/by-path/platform-gpio-keys-event, code: 141}   # or line, none
 ///       light: {kind: led, path: /sys/class/leds/calibrate}                                   # or line, none
 ///       console: {path: /dev/ttyS1, baud: 115200}
@@ -32,6 +33,7 @@ namespace roomcal::tools {
 ///       servo: {node: 5, counts_per_turn: 1048576, velocity_units_per_count: 1, acceleration_units_per_count: 1,
 ///               homing_method: 0, half_turn_s: 10}
 ///       imu: {path: "/sys/bus/iio/devices/iio:device0"}
+///       thermometer: {path: /sys/class/thermal/thermal_zone0/temp}    # or a hwmon's temp1_input
 ///       watchdog: {path: /dev/watchdog, timeout_s: 10}
 ///       store: {kind: file, path: /var/lib/roomcal/store, size_bytes: 196608, page_bytes: 0}  # or partition, nvmem
 ///       replay: /var/lib/roomcal/shots

@@ -97,15 +97,17 @@ flatbuffers::Offset<fbs::Wiring> put(Builder& builder, const profile::Wiring& w)
              button = put(builder, w.button.path), light = put(builder, w.light.path),
              console = put(builder, w.console.path), can = put(builder, w.can.interface),
              watchdog = put(builder, w.watchdog.path), store = put(builder, w.store.path),
-             replay = put(builder, w.replay_folder), imu = put(builder, w.imu.path);
-  return fbs::CreateWiring(
-      builder, static_cast<uint8_t>(w.trigger.kind), chip, trigger_line, w.trigger.pulse_us, address,
-      w.trigger.device_key, w.trigger.group_key, w.trigger.group_mask, static_cast<uint8_t>(w.button.kind), button,
-      w.button.code, button_line, w.button.active_low, w.button.debounce_us, static_cast<uint8_t>(w.light.kind), light,
-      light_line, w.light.active_low, console, w.console.baud, can, w.can.standstill, w.servo.node,
-      w.servo.counts_per_turn, w.servo.velocity_units_per_count, w.servo.acceleration_units_per_count,
-      w.servo.homing_method, w.servo.half_turn_s, watchdog, w.watchdog.timeout_s, static_cast<uint8_t>(w.store.kind),
-      store, w.store.size_bytes, w.store.page_bytes, replay, imu, w.trigger.lead_us);
+             replay = put(builder, w.replay_folder), imu = put(builder, w.imu.path),
+             thermometer = put(builder, w.thermometer.path);
+  return fbs::CreateWiring(builder, static_cast<uint8_t>(w.trigger.kind), chip, trigger_line, w.trigger.pulse_us,
+                           address, w.trigger.device_key, w.trigger.group_key, w.trigger.group_mask,
+                           static_cast<uint8_t>(w.button.kind), button, w.button.code, button_line, w.button.active_low,
+                           w.button.debounce_us, static_cast<uint8_t>(w.light.kind), light, light_line,
+                           w.light.active_low, console, w.console.baud, can, w.can.standstill, w.servo.node,
+                           w.servo.counts_per_turn, w.servo.velocity_units_per_count,
+                           w.servo.acceleration_units_per_count, w.servo.homing_method, w.servo.half_turn_s, watchdog,
+                           w.watchdog.timeout_s, static_cast<uint8_t>(w.store.kind), store, w.store.size_bytes,
+                           w.store.page_bytes, replay, imu, w.trigger.lead_us, w.trigger.may_run_free, thermometer);
 }
 
 std::vector<flatbuffers::Offset<fbs::Limit>> put(Builder& builder, const calib::Limits& limits) {

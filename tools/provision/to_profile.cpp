@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "runtime/calib/lidar_models.h"
+#include "runtime/profile/driver_check.h"
 #include "tools/common/error.h"
 #include "tools/sweep/calibration_files.h"
 
@@ -81,7 +82,8 @@ profile::Profile to_profile(const Device& device, const fs::path& file) {
   profile.grab = device.grab;
   profile.wiring = device.wiring;
   Reason what;
-  if (!check_profile(profile, what).ok()) throw ToolError(where + ": " + std::string(what.view()));
+  if (!check_profile(profile, what).ok() || !check_drivers(profile, what).ok())
+    throw ToolError(where + ": " + std::string(what.view()));
   return profile;
 }
 

@@ -243,6 +243,7 @@ TEST(JsonExport, NlohmannReads_GivesTheWorkedPointAndEveryBit) {
   EXPECT_EQ(json["verdict"], "PASS_ADVISE");
   EXPECT_EQ(json["previous_content"], nullptr);
   EXPECT_EQ(json["temperature_c"], 23.5);
+  EXPECT_EQ(json["trigger"], "line");
 }
 
 }  // namespace

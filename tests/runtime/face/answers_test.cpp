@@ -129,6 +129,13 @@ TEST_F(AnswersTest, Log_TakesANumberOfLines) {
   }
 }
 
+TEST_F(AnswersTest, TriggerThatCannotBeHad_IsToldWithWhatTookItsPlace) {
+  desk_.vitals.trigger = "free";
+  desk_.vitals.trigger_trouble = "trigger: no such line: cameras run free";
+  EXPECT_TRUE(has(ask(VerbId::kSensors), "\"trigger\":\"free\""));
+  EXPECT_TRUE(has(ask(VerbId::kHealth), "\"trigger: no such line: cameras run free\""));
+}
+
 TEST_F(AnswersTest, Uncalibrated_IsNeverIdentity) {
   EXPECT_TRUE(has(ask(VerbId::kStatus), "\"state\":\"IDLE\",\"store\":\"UNCALIBRATED\""));
   for (const VerbId verb : {VerbId::kDiff, VerbId::kUndo, VerbId::kRestoreFactory}) {
@@ -267,7 +274,7 @@ TEST_F(AnswersTest, WhileAPressRuns_ItsThreadOwnsStoreAndReport) {
   grab::Grabber grabber(sources, {}, clocks);
   Arenas arenas;
   const auto press = std::make_unique<press::Press>(
-      press::Parts{session, grabber, bench_.store, arenas, clocks, "firmware", "serial"});
+      press::Parts{session, grabber, bench_.store, arenas, clocks, "firmware", "serial", nullptr, nullptr, "free"});
   commit(1);
   known_.press = press.get();
   renew();

@@ -64,12 +64,13 @@ LidarWiring filled_wiring(uint16_t port) {
 
 Wiring filled_wiring() {
   Wiring w;
-  w.trigger = {TriggerKind::kLine, "/dev/gpiochip0", "trig-out", 500, "192.168.1.255", 7, 2, 3, 2000};
+  w.trigger = {TriggerKind::kLine, "/dev/gpiochip0", "trig-out", 500, "192.168.1.255", 7, 2, 3, 2000, true};
   w.button = {ButtonKind::kEvdev, "/dev/input/event0", 141, "key-calibrate", false, 5000};
   w.light = {LightKind::kLed, "/sys/class/leds/calibrate", "led-1", true};
   w.console = {"/dev/ttyS1", 57'600};
   w.can = {"can0", true};
   w.servo = {5, -65'536, 0.5, 0.25, 3, 20};
+  w.thermometer = {"/sys/class/thermal/thermal_zone0/temp"};
   w.watchdog = {"/dev/watchdog", 20};
   w.store = {StoreKind::kFile, "/var/lib/roomcal/store", 262'144, 512};
   w.replay_folder = "shots";

@@ -58,6 +58,7 @@ Record sample_record(uint64_t seed, std::size_t cameras, std::size_t lidars) {
   record.device_serial = "robot-7";
   record.measured_unix_s = 1'700'000'000 + static_cast<int64_t>(seed);
   record.temperature_c = 23.5;
+  record.trigger = "line";
   record.chi2 = 300.5 + static_cast<double>(seed);
   record.degrees_of_freedom = 290;
   for (std::size_t i = 0; i < cameras; ++i)
@@ -76,6 +77,7 @@ Record largest_record() {
   record.map_id = std::string_view(std::string(63, 'm'));
   record.firmware_id = std::string_view(std::string(63, 'f'));
   record.device_serial = std::string_view(std::string(31, 'd'));
+  record.trigger = std::string_view(std::string(31, 't'));
   for (SensorRecord& sensor : record.sensors) {
     const std::string name(sensor.name.view());
     sensor.name = std::string_view(name + std::string(31 - name.size(), 'n'));
@@ -88,7 +90,8 @@ Record largest_record() {
 bool same_content(const Record& a, const Record& b) {
   bool alike = a.verdict == b.verdict && a.map_id.view() == b.map_id.view() && a.map_hash == b.map_hash &&
                a.firmware_id.view() == b.firmware_id.view() && a.device_serial.view() == b.device_serial.view() &&
-               a.measured_unix_s == b.measured_unix_s && a.temperature_c == b.temperature_c && a.chi2 == b.chi2 &&
+               a.measured_unix_s == b.measured_unix_s && a.temperature_c == b.temperature_c &&
+               a.trigger.view() == b.trigger.view() && a.chi2 == b.chi2 &&
                a.degrees_of_freedom == b.degrees_of_freedom && a.reference == b.reference &&
                a.reasons.size() == b.reasons.size() && a.sensors.size() == b.sensors.size();
   for (std::size_t i = 0; alike && i < a.reasons.size(); ++i) alike = a.reasons[i].view() == b.reasons[i].view();

@@ -52,6 +52,7 @@ TEST(WiringFields, EveryMemberOfEveryStruct_IsWalkedOver) {
   EXPECT_EQ(walked_fields<profile::ConsoleWiring>(), member_count<profile::ConsoleWiring>());
   EXPECT_EQ(walked_fields<profile::CanWiring>(), member_count<profile::CanWiring>());
   EXPECT_EQ(walked_fields<profile::ServoWiring>(), member_count<profile::ServoWiring>());
+  EXPECT_EQ(walked_fields<profile::ThermometerWiring>(), member_count<profile::ThermometerWiring>());
   EXPECT_EQ(walked_fields<profile::WatchdogWiring>(), member_count<profile::WatchdogWiring>());
   EXPECT_EQ(walked_fields<profile::StoreWiring>(), member_count<profile::StoreWiring>());
   std::size_t sections = 1;  // replay is a text, not a section
