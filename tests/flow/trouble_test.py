@@ -130,6 +130,37 @@ def full_disk(bench):
     print(f"  full disk: {process.stderr.strip().splitlines()[-1][-100:]}")
 
 
+def refused(board, records, word):
+    """A calibration that cannot be stored: said so by name, and what was stored is in force."""
+    result = calibrate(board)
+    expect(result["result"] == "FAIL_SERVICE" and not result["stored"], f"{result}")
+    expect(any(r.startswith("store: ") and word in r for r in result["reasons"]), f"{result['reasons']}")
+    expect(board.data("history")["records"] == records, "what was stored is there")
+    expect(board.data("status")["store"] == "CALIBRATED", "and in force")
+    return result["reasons"][-1]
+
+
+def medium_that_takes_nothing(bench):
+    """The disk fills up, then has space again; the next start finds the store read-only."""
+    folder = bench.copy()
+    with bench.board(folder) as board:
+        records = calibrated(board)
+        pid, limits = board.process.pid, resource.prlimit(board.process.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (0, limits[1]))  # stands in for a disk without space
+        full = refused(board, records, "space")
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, limits)
+        expect(calibrate(board)["stored"], "with space again it is stored")
+        records = board.data("history")["records"]
+        expect(board.end() == 0, "an ordered end")
+    (folder / "store").chmod(0o444)
+    with Roomcald(bench.roomcald, folder, "sim", obey_modes=True) as board:
+        board.wait_armed()
+        read_only = refused(board, records, "read-only")
+        expect(len(board.data("export", "json")["document"]) > 200, "it is read as before")
+        expect(board.end() == 0, "an ordered end")
+    print(f"  a disk without space: {full}; a read-only one: {read_only}")
+
+
 def damaged_store(bench):
     folder = bench.copy()
     with bench.board(folder) as board:
@@ -197,7 +228,8 @@ def crashes(bench):
 def test(roomcal, roomcald):
     with tempfile.TemporaryDirectory() as temporary:
         bench = Bench(roomcal, roomcald, pathlib.Path(temporary))
-        for case in (wrong_map, camera_gone, dark_camera, twins, full_disk, damaged_store, damaged_profile, crashes):
+        for case in (wrong_map, camera_gone, dark_camera, twins, full_disk, medium_that_takes_nothing,
+                     damaged_store, damaged_profile, crashes):
             try:
                 case(bench)
             except device.Failure as failure:
