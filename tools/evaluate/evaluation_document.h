@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -16,6 +17,9 @@ struct EvaluationSection {
   std::string command_line;  ///< that measures the same again, options at their values
   std::string body;          ///< Markdown, without a heading of first or second level
 };
+
+/// The sections of the EVALUATION.md that is committed; a test looks whether they all are in it, in form.
+inline constexpr std::array<std::string_view, 1> kCommittedSections = {"shots"};
 
 /// The document with this section in its old one's place, or at the end; everything outside the marks is kept. An empty
 /// document gets its heading first.

@@ -96,5 +96,11 @@ TEST(EvaluationDocument, Table_IsMarkdown) {
   EXPECT_EQ(markdown_table(rows), "| kind | wrong |\n|---|---|\n| mirror | 0 |\n");
 }
 
+TEST(EvaluationDocument, Committed_HasEverySectionInForm) {
+  const std::string document = read_text(ROOMCAL_SOURCE_DIR "/EVALUATION.md");
+  EXPECT_TRUE(document.starts_with("# Evaluation\n"));
+  for (const std::string& problem : form_problems(document, kCommittedSections)) ADD_FAILURE() << problem;
+}
+
 }  // namespace
 }  // namespace roomcal::tools
