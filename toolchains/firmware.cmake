@@ -26,6 +26,13 @@ if(ROOMCAL_STATIC)
     message(STATUS "${CMAKE_LIBRARY_ARCHITECTURE}'s libc has no rcrt1.o: static programs have fixed addresses")
     target_link_options(roomcal_flags INTERFACE -static -no-pie)
   endif()
+  # Segments for pages of up to 16 KiB; the linker's own 64 KiB cost as much on flash and serve kernels of servers only.
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL aarch64)
+    target_link_options(roomcal_flags INTERFACE -Wl,-z,max-page-size=16384)
+  endif()
+  # Nothing of lean firmware throws (a library that does would end it, caught or not): no code for it. Tests may.
+  target_compile_options(roomcal_flags INTERFACE
+    $<$<NOT:$<BOOL:$<TARGET_PROPERTY:ROOMCAL_TEST>>>:-fno-exceptions$<SEMICOLON>-fno-asynchronous-unwind-tables>)
 elseif(ROOMCAL_HARDEN)
   target_link_options(roomcal_flags INTERFACE -pie)
 endif()
