@@ -125,7 +125,8 @@ Status FdMedium::open_device(const MediumOptions& options) {
   if (end <= 0) return fail("the store's device does not tell its size");
   const auto there = static_cast<std::size_t>(end) / page_bytes_ * page_bytes_;
   if (options.size_bytes > there || options.size_bytes % page_bytes_ != 0)
-    return {StatusCode::kInvalidArgument, "the store's device is smaller than the board says"};
+    return {StatusCode::kInvalidArgument,
+            "the store's device is smaller than the board says; size_bytes: 0 takes all of it"};
   size_bytes_ = options.size_bytes == 0 ? there : options.size_bytes;
   return ok_status();
 }
