@@ -8,7 +8,8 @@ import pathlib
 import re
 import shutil
 
-from machine import TOP, Failed, environment, run
+import panel
+from machine import CAN_SLOT, CONSOLE_SLOT, TOP, Failed, environment, run
 
 MARKERS, SCALE, SHOTS = 160, 0.5, 2
 WIDTH, HEIGHT, BAR = 640, 480, 60
@@ -17,19 +18,23 @@ HOST = TOP / "build/host-release"
 _built = set()
 
 SETUP = """
-# A shell for the test, beside the device.
+# A shell for the test, beside the device. Not through cat: its sendfile() keeps the pipe locked while it waits for a line.
 modprobe virtio_console || say "module virtio_console cannot be loaded"
-(while :; do stty -echo </dev/hvc0; cat /dev/hvc0 | setsid sh >/dev/hvc0 2>&1; sleep 1; done) &
+(while :; do (stty -echo; dd bs=4096 2>/dev/null) </dev/hvc0 | setsid sh >/dev/hvc0 2>&1; sleep 1; done) &
 export PATH=$PATH:/opt/test/bin
 for event in /sys/class/input/event*; do
-  [ "$(cat $event/device/name)" = roomcal-keys ] && ln -s /dev/input/${event##*/} /dev/button
+  [ "$(cat $event/device/name)" = "@INPUT@" ] && ln -s /dev/input/${event##*/} /dev/button
 done
+ln -s /sys/class/leds/@LAMP@ /dev/lamp
+serial() { ls /sys/bus/pci/devices/0000:00:$1.0/tty; }
+ln -s $(serial @CONSOLE@) /dev/line-console
+ln -s $(serial @CAN@) /dev/line-can
 ip addr add 10.0.2.15/24 dev eth0
 ip link set eth0 up
 """
 SETUP_CAN = """
 modprobe slcan || say "module slcan cannot be loaded"
-slcand -o -s6 ttyS1 can0 && ip link set can0 up
+slcand -o -s6 line-can can0 && ip link set can0 up
 """
 SETUP_CAMERAS = """
 modprobe vivid n_devs=4 node_types=0x101,0x101,0x101,0x101 num_inputs=1,1,1,1 input_types=3,3,3,3 \\
@@ -45,9 +50,9 @@ done
 WIRING = """
 grab: {patience_s: PATIENCE, image_wait_s: 30}
 wiring:
-  button: {kind: evdev, path: /dev/button, code: 141}
-  light: {kind: led, path: /sys/class/leds/calibration}
-  console: {path: /dev/ttyS0}
+  button: {kind: evdev, path: /dev/button, code: KEY_CODE}
+  light: {kind: led, path: /dev/lamp}
+  console: {path: /dev/line-console}
   can: {interface: can0, standstill: true}
   watchdog: {path: /dev/watchdog0, timeout_s: 10}
   store: {kind: partition, path: /dev/roomcal-store, size_bytes: 0}
@@ -86,9 +91,14 @@ def simulate(folder, seed=5, shots=SHOTS, sweeps=2):
          "--format", "pgm", "--shots", shots, "--sweeps", sweeps, "--seed", seed, "-o", folder / "shots"])
 
 
-def provision(simulated, folder, cameras="v4l2", wiring=WIRING, setup=SETUP + SETUP_CAN + SETUP_CAMERAS, patience_s=60):
+def provision(architecture, simulated, folder, cameras="v4l2", wiring=WIRING,
+              setup=SETUP + SETUP_CAN + SETUP_CAMERAS, patience_s=60):
     """A device's folder: profile, factory record, map, product, setup. cameras: "v4l2" or "replay"."""
-    wiring = wiring.replace("PATIENCE", str(patience_s))
+    wired = panel.WIRING[architecture]
+    wiring = wiring.replace("PATIENCE", str(patience_s)).replace("KEY_CODE", str(wired["code"]))
+    for word, value in (("@INPUT@", wired["input"]), ("@LAMP@", wired["lamp"]),
+                        ("@CONSOLE@", f"{CONSOLE_SLOT:02x}"), ("@CAN@", f"{CAN_SLOT:02x}")):
+        setup = setup.replace(word, value)
     roomcal = host_program()
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -144,23 +154,29 @@ def make_disk(architecture, device, image):
 class Helpers:
     """A second initrd: vivid, CAN over a serial line, probes; laid over the firmware, whose own files stay."""
 
-    MODULES = {"aarch64": ["vivid", "slcan", "vcan", "virtio_console"]}
-    DEBIAN = {"aarch64": ("arm64", "aarch64-linux-gnu", "ld-linux-aarch64.so.1")}
+    MODULES = ["vivid", "slcan", "vcan", "virtio_console", "xhci-pci", "i2c-tiny-usb", "at24"]
+    PROGRAMS = ["vivid_play", "v4l2_probe", "can_probe", "freeze_thread"]
+    # Debian's name, triple, where libc lies on the build machine and its loader in the guest.
+    TARGETS = {
+        "aarch64": ("arm64", "aarch64-linux-gnu", "/usr/aarch64-linux-gnu/lib", "lib/ld-linux-aarch64.so.1"),
+        "x86_64": ("amd64", "x86_64-linux-gnu", "/lib/x86_64-linux-gnu", "lib64/ld-linux-x86-64.so.2"),
+    }
 
     def __init__(self, architecture, folder):
         self.architecture, self.folder = architecture, folder
-        self.debian, self.triple, self.loader = self.DEBIAN[architecture]
+        self.debian, self.triple, self.libc, self.loader = self.TARGETS[architecture]
 
     def make(self):
         root = self.folder / "helpers"
         shutil.rmtree(root, ignore_errors=True)
         programs = root / "opt/test/bin"
         programs.mkdir(parents=True)
-        built = TOP / "build" / self.architecture / "tests/guest"
-        for name in ("vivid_play", "v4l2_probe", "can_probe", "freeze_thread"):
-            if not (built / name).exists():
-                raise Failed(f"{built / name} is missing: ./toolchains/build {self.architecture}")
-            run([f"{self.triple}-strip", "-o", programs / name, built / name])
+        built = TOP / "build" / self.architecture
+        if not (built / "CMakeCache.txt").exists():
+            raise Failed(f"{built} is missing: ./toolchains/build {self.architecture}")
+        run(["cmake", "--build", built, "--target", *self.PROGRAMS])
+        for name in self.PROGRAMS:
+            run([f"{self.triple}-strip", "-o", programs / name, built / "tests/guest" / name])
         self._slcand(root, programs)
         self._modules(root)
         image = self.folder / "helpers.img"
@@ -176,21 +192,23 @@ class Helpers:
         run(["dpkg-deb", "-x", package, unpacked])
         shutil.copy(unpacked / "usr/bin/slcand", programs)
         shutil.copy(unpacked / "usr/bin/candump", programs)
-        # Its libc is the cross compiler's, of the same Debian.
+        # Its libc is the compiler's, of the same Debian.
+        loader = root / self.loader
+        loader.parent.mkdir(exist_ok=True)
+        shutil.copy(pathlib.Path(self.libc) / loader.name, loader)
         (root / "lib").mkdir(exist_ok=True)
-        for library in (self.loader, "libc.so.6"):
-            shutil.copy(pathlib.Path(f"/usr/{self.triple}/lib") / library, root / "lib" / library)
+        shutil.copy(pathlib.Path(self.libc) / "libc.so.6", root / "lib")
 
     def _modules(self, root):
         kernel = next((TOP / "build/download" / self.debian).glob("linux-image-*/unpacked")).parent
         version = next((kernel / "lib/modules").iterdir()).name
         firmware = (TOP / "board/firmware/modules").read_text().splitlines()
-        wanted = self.MODULES[self.architecture] + [w.rstrip("?") for w in firmware if w and not w.startswith("#")]
+        wanted = self.MODULES + [w.rstrip("?") for w in firmware if w and not w.startswith("#")]
         for module in wanted:
             try:
                 listed = run(["modprobe", "-d", kernel, "-S", version, "--show-depends", module])
             except Failed:
-                if module in self.MODULES[self.architecture]:
+                if module in self.MODULES:
                     raise Failed(f"the kernel {version} has no module {module}") from None
                 continue
             for line in listed.splitlines():

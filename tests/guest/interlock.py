@@ -1,8 +1,6 @@
 """A vehicle that is not known to stand still is not calibrated on: every doubt is motion."""
 
-import time
-
-from machine import Failed
+from machine import Failed, wait_for
 from story import press, result_event, wait_well
 
 
@@ -14,10 +12,8 @@ def interlock(world):
     before = machine.console.ask("status").get("generation")
     for mood in ("silent", "repeating", "damaged", "moving"):
         vehicle.mood = mood
-        time.sleep(1)
-        if machine.console.ask("status").get("still"):
-            raise Failed(f"{mood}: the vehicle is believed to stand")
-        event, _, _ = press(world, seconds=120)
+        wait_for(f"{mood}: doubt that the vehicle stands", lambda: not machine.console.ask("status").get("still"), 30)
+        event, _, _ = press(world)
         if event.get("result") not in ("FAIL_RETRY", "ABORTED") or event.get("stored"):
             raise Failed(f"{mood}: the press ended with {event}")
         world.figure(f"{mood}: refused", event.get("reason", event.get("result")))
@@ -28,9 +24,9 @@ def interlock(world):
     # A doubt in the middle of a press stops it as well.
     machine.console.ask("status")
     mark = machine.console.mark()
-    machine.gpio.press(3.3)
+    machine.press()
     vehicle.mood = "moving"
-    event = result_event(machine, mark, 120)
+    event = result_event(machine, mark, 300)
     if event.get("stored"):
         raise Failed(f"moved off during the grab, and yet: {event}")
     vehicle.mood = "standing"

@@ -1,8 +1,8 @@
-"""One virtual machine, driven from outside only: its lines, its button and lamp, its buses, its power.
+"""One virtual machine, driven from outside only: its lines, its button and lamp (panel.py), its buses, its power.
 
-QEMU's own processor emulation (never /dev/kvm: on build machines it is often there and does not work). The aarch64
-machine has a PL061, whose lines become a real gpio-keys button and a real leds-gpio lamp by three nodes in the device
-tree; the host moves and watches them through QEMU's qtest socket.
+QEMU's own processor emulation (never /dev/kvm: on build machines it is often there and does not work), with the guest's
+time bound to its instructions, a nanosecond each: on a loaded host the guest is slower, not starved. Bound to the host's
+time, its real-time threads take all that there is as soon as they get less than they need, and the console is not served.
 """
 
 import json
@@ -16,24 +16,17 @@ import tempfile
 import threading
 import time
 
+import panel
+from waiting import Failed, wait_for
+
 TOP = pathlib.Path(__file__).resolve().parents[2]
-BUTTON, LAMP = 4, 5  # lines of the PL061
-KEY_SETUP = 141
-
-
-class Failed(Exception):
-    """What a scenario found; its text is the report."""
-
-
-def wait_for(what, condition, seconds):
-    """The condition's value once it is true; Failed with `what` after so many seconds."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise Failed(f"{what}: not within {seconds:.0f} s")
+MACHINES = {
+    "aarch64": ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72"],
+    "x86_64": ["qemu-system-x86_64", "-M", "q35", "-cpu", "max"],
+}
+HOLD_S = 3.6
+KERNEL_LINES = {"aarch64": "ttyAMA0", "x86_64": "ttyS0"}
+CONSOLE_SLOT, CAN_SLOT = 0x10, 0x11  # of the PCI bus: by these the guest finds its serial lines
 
 
 class Line:
@@ -90,84 +83,20 @@ class Console(Line):
 
     number = 0
 
-    def ask(self, verb, *words, seconds=20):
+    def ask(self, verb, *words, seconds=60):
         """The answer's data; Failed for a refusal or silence."""
         answer = self.answer(verb, *words, seconds=seconds)
         if not answer.get("ok"):
             raise Failed(f"console: {verb}: {answer}")
         return answer.get("data", {})
 
-    def answer(self, verb, *words, seconds=20):
+    def answer(self, verb, *words, seconds=60):
         Console.number += 1
         number = Console.number
         mark = self.mark()
         self.send(json.dumps({"cmd": verb, "args": list(words), "id": number}) + "\n")
         match = self.wait(r'(?m)^(\{"id":%d,[^\r\n]*)\r?\n' % number, seconds, mark)
         return json.loads(match.group(1))
-
-
-class Lamp:
-    """Every change of the lamp as (seconds, lit)."""
-
-    def __init__(self):
-        self.changes = []
-
-    def changed(self, lit):
-        self.changes.append((time.monotonic(), lit))
-
-    def count(self, begin, end=None):
-        return sum(1 for at, lit in self.changes if lit and at >= begin and (end is None or at < end))
-
-    def longest(self, begin):
-        """Seconds of the longest light since then."""
-        longest, since = 0.0, None
-        for at, lit in self.changes:
-            if at < begin:
-                continue
-            if lit:
-                since = at
-            elif since is not None:
-                longest, since = max(longest, at - since), None
-        return longest
-
-
-class Gpio:
-    """Button and lamp, through qtest: lines of text."""
-
-    def __init__(self, path, chip):
-        self.chip = chip
-        self.socket = socket.socket(socket.AF_UNIX)
-        self.socket.connect(str(path))
-        self.lamp = Lamp()
-        threading.Thread(target=self._read, daemon=True).start()
-        self._send(f"irq_intercept_out {chip}")
-
-    def _send(self, line):
-        self.socket.sendall((line + "\n").encode())
-
-    def _read(self):
-        waiting = b""
-        while True:
-            try:
-                data = self.socket.recv(4096)
-            except OSError:
-                return
-            if not data:
-                return
-            waiting += data
-            *lines, waiting = waiting.split(b"\n")
-            for line in lines:
-                match = re.match(rb"IRQ (raise|lower) (\d+)", line)
-                if match and int(match.group(2)) == LAMP:
-                    self.lamp.changed(match.group(1) == b"raise")
-
-    def button(self, down):
-        self._send(f"set_irq_in {self.chip} unnamed-gpio-in {BUTTON} {int(down)}")
-
-    def press(self, seconds):
-        self.button(True)
-        time.sleep(seconds)
-        self.button(False)
 
 
 class Monitor:
@@ -197,49 +126,26 @@ class Monitor:
         return self.call("human-monitor-command", **{"command-line": line})
 
 
-DEVICE_TREE = """
-    roomcal-keys {
-        compatible = "gpio-keys";
-        button {
-            label = "calibrate";
-            linux,code = <%(code)d>;
-            gpios = <&{/pl061@9030000} %(button)d 0>;
-            debounce-interval = <10>;
-        };
-    };
-    roomcal-lamp {
-        compatible = "gpio-leds";
-        lamp {
-            label = "calibration";
-            gpios = <&{/pl061@9030000} %(lamp)d 0>;
-        };
-    };
-""" % {"code": KEY_SETUP, "button": BUTTON, "lamp": LAMP}
-
-
 class Machine:
     """A guest with the firmware image of one processor.
 
     @param architecture  "aarch64" or "x86_64"
-    @param disk  the device's disk; written to, survives kill()
+    @param media  what keeps bytes without power (medium.py): a disk, perhaps an EEPROM; they survive kill()
     @param extra  further initrd whose files are laid over the firmware's: helpers, never changes of what is tested
     """
 
-    def __init__(self, architecture, disk, folder, extra=None, append="", devices=()):
+    def __init__(self, architecture, media, folder, extra=None, append=""):
         self.architecture = architecture
-        self.disk = pathlib.Path(disk)
+        self.media = list(media)
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.extra = extra
         self.append = append
-        self.devices = list(devices)
         self.sockets = pathlib.Path(tempfile.mkdtemp(prefix="roomcal-vm-"))  # a socket's path must be short
         self.process = None
-        self.boots = 0
 
     def start(self):
         image = TOP / "build/image" / self.architecture
-        self.boots += 1
         for old in self.sockets.glob("*"):
             old.unlink()
         initrd = image / "initrd.img"
@@ -251,63 +157,70 @@ class Machine:
                     out.write(bytes(-out.tell() % 512))  # the kernel looks for the next archive at whole words
         self.can_port = free_port()
         self.lidar_port = free_port(socket.SOCK_DGRAM)
+        for medium in self.media:
+            medium.power_on()
         command = self._command(image, initrd)
         if self.architecture == "aarch64":
             command += ["-dtb", str(self._device_tree(command))]
+        else:
+            (self.sockets / "trace").touch()
+            command += ["-trace", panel.KeyboardPanel.TRACE, "-D", str(self.sockets / "trace")]
         self.started = time.monotonic()
         # Whatever ends this test ends its machine.
-        self.process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", *command], stdin=subprocess.DEVNULL, stdout=open(self.folder / "qemu.log", "ab"),
-                                        stderr=subprocess.STDOUT)
+        with open(self.folder / "qemu.log", "ab") as log:
+            self.process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", *command], stdin=subprocess.DEVNULL,
+                                            stdout=log, stderr=subprocess.STDOUT)
         self.kernel = Line(self.sockets / "kernel", self.folder / "kernel.log")
         self.console = Console(self.sockets / "console", self.folder / "console.log")
         self.shell = Line(self.sockets / "shell", self.folder / "shell.log")
         self.monitor = Monitor(self.sockets / "monitor")
-        self.gpio = None
-        if self.architecture == "aarch64":
-            tree = self.monitor.human("info qom-tree")
-            chip = re.search(r"/(device\[\d+\]) \(pl061\)", tree)
-            self.gpio = Gpio(self.sockets / "qtest", f"/machine/unattached/{chip.group(1)}")
+        self.panel = self._panel()
+        for medium in self.media:
+            medium.attach(self.sockets)
         return self
+
+    def _panel(self):
+        if self.architecture == "x86_64":
+            return panel.KeyboardPanel(self.monitor, self.sockets / "trace")
+        chip = re.search(r"/(device\[\d+\]) \(pl061\)", self.monitor.human("info qom-tree"))
+        return panel.GpioPanel(self.sockets / "qtest", f"/machine/unattached/{chip.group(1)}")
 
     def _command(self, image, initrd):
         unix = lambda name: f"socket,id={name},path={self.sockets / name},server=on,wait=off"  # noqa: E731
-        consoles = {"aarch64": "ttyAMA0", "x86_64": "ttyS0"}
-        machine = {"aarch64": ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72"],
-                   "x86_64": ["qemu-system-x86_64", "-M", "q35", "-cpu", "qemu64"]}[self.architecture]
-        return machine + [
-            "-accel", "tcg,thread=multi", "-smp", "2", "-m", "512", "-nodefaults", "-display", "none",
+        return MACHINES[self.architecture] + [
+            "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=on", "-smp", "1", "-m", "512",
+            "-nodefaults", "-display", "none",
             "-kernel", str(image / "vmlinuz"), "-initrd", str(initrd),
-            "-append", f"console={consoles[self.architecture]} panic=1 {self.append}",
+            "-append", f"console={KERNEL_LINES[self.architecture]} panic=1 {self.append}",
             "-chardev", unix("kernel"), "-serial", "chardev:kernel",
-            "-chardev", unix("console"), "-device", "pci-serial,chardev=console",
+            "-chardev", unix("console"), "-device", f"pci-serial,chardev=console,addr={CONSOLE_SLOT:#x}",
             "-chardev", f"socket,id=can,host=127.0.0.1,port={self.can_port},server=on,wait=off",
-            "-device", "pci-serial,chardev=can",
+            "-device", f"pci-serial,chardev=can,addr={CAN_SLOT:#x}",
             "-device", "virtio-serial-pci", "-chardev", unix("shell"), "-device", "virtconsole,chardev=shell",
             "-chardev", unix("monitor"), "-mon", "chardev=monitor,mode=control",
             "-qtest", f"unix:{self.sockets / 'qtest'},server=on,wait=off", "-qtest-log", "none",
             "-netdev", f"user,id=net,restrict=on,hostfwd=udp:127.0.0.1:{self.lidar_port}-10.0.2.15:2368",
             "-device", "virtio-net-pci,netdev=net,romfile=",
-            "-drive", f"file={self.disk},if=none,id=disk,format=raw,cache=writeback",
+            *(word for medium in self.media for word in medium.arguments(self.sockets)),
             "-device", "virtio-blk-pci,drive=disk",
-            "-device", "i6300esb", "-action", "watchdog=reset", *self.devices]
+            "-device", "i6300esb", "-action", "watchdog=reset"]
 
     def _device_tree(self, command):
         """What QEMU would give the kernel, with button and lamp."""
         dumped = self.sockets / "virt.dtb"
         words = [w.replace("virt", f"virt,dumpdtb={dumped}", 1) if w == "virt" else w for w in command]
-        quiet = [w.replace("server=on,wait=off", "server=on,wait=off") for w in words]
-        run(quiet)
+        run(words)
         for old in self.sockets.glob("*"):
             if old != dumped:
                 old.unlink()
         source = run(["dtc", "-q", "-I", "dtb", "-O", "dts", str(dumped)])
         end = source.rindex("};")
         tree = self.folder / "virt.dts"
-        tree.write_text(source[:end] + DEVICE_TREE + source[end:])
+        tree.write_text(source[:end] + panel.DEVICE_TREE + source[end:])
         run(["dtc", "-q", "-I", "dts", "-O", "dtb", "-o", str(self.folder / "virt.dtb"), str(tree)])
         return self.folder / "virt.dtb"
 
-    def run(self, line, seconds=30):
+    def run(self, line, seconds=120):
         """A command in the guest's shell, on a line of its own; its output. Failed if it does not end in order."""
         mark = self.shell.mark()
         self.shell.send(f"{line}\necho \"<$?>\"\n")
@@ -317,15 +230,36 @@ class Machine:
             raise Failed(f"guest: {line}: status {match.group(2)}: {output.strip()}")
         return output
 
-    def wait_ready(self, seconds=120):
+    def wait_ready(self, seconds=300):
         """Until the console answers. @return seconds since the start."""
+        mark = self.console.mark()
+
         def answers():
+            """Asked anew every now and then: what comes before the program does is lost. An answer may take longer."""
             try:
-                return self.console.answer("status", seconds=2)
+                return self.console.answer("status", seconds=5)
             except (Failed, OSError):
-                return None
+                return re.search(r'"cmd":"status","ok":true', self.console.text[mark:])
         wait_for("the console's first answer", answers, seconds)
         return time.monotonic() - self.started
+
+    def uptime_s(self):
+        """The guest's own time, which is never faster than the host's."""
+        return float(self.run("cut -d' ' -f1 /proc/uptime"))
+
+    def pass_time(self, seconds):
+        """Waits for so many seconds of the guest."""
+        end = self.uptime_s() + seconds
+        wait_for(f"{seconds} seconds of the guest", lambda: self.uptime_s() > end, 60 + 10 * seconds)
+
+    def press(self):
+        """Holds the button for a calibration: the guest's three seconds, and the lamp then says "let go"."""
+        self.panel.button(True)
+        self.pass_time(HOLD_S)
+        lit = self.panel.lamp.lit()
+        self.panel.button(False)
+        if not lit:
+            raise Failed("the button was held for three seconds and the lamp does not say that it may be let go")
 
     def alive(self):
         return self.process is not None and self.process.poll() is None
@@ -335,12 +269,14 @@ class Machine:
         if self.process is not None:
             self.process.kill()
             self.process.wait()
-            for line in (self.kernel, self.console, self.shell):
+            for line in (self.kernel, self.console, self.shell, self.panel):
                 line.close()
             self.process = None
 
     def close(self):
         self.kill()
+        for medium in self.media:
+            medium.close()
         shutil.rmtree(self.sockets, ignore_errors=True)
 
 

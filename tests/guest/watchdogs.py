@@ -19,7 +19,7 @@ def hung_thread(world):
     begin = time.monotonic()
     machine.run(f"freeze_thread {thread[0]} >/dev/kmsg 2>&1 &")
     mark = machine.kernel.mark()
-    machine.kernel.wait(r"Linux version", 60, mark)
+    machine.kernel.wait(r"Linux version", 300, mark)
     world.figure("seconds from a hung thread to the restart", time.monotonic() - begin)
     machine.started = time.monotonic()
     world.rejoin()
@@ -32,13 +32,13 @@ def starved(world):
     """The console's own test: with service rights it stops feeding."""
     machine = world.machine
     machine.wait_ready()
-    machine.gpio.press(10.5)
+    machine.panel.hold_for_service(machine.console)
     mark = machine.kernel.mark()
     begin = time.monotonic()
     told = machine.console.ask("selftest", "watchdog")
     if "no longer fed" not in str(told):
         raise Failed(f"selftest watchdog says {told}")
-    machine.kernel.wait(r"Linux version", 60, mark)
+    machine.kernel.wait(r"Linux version", 300, mark)
     world.figure("seconds from the last feeding to the restart", time.monotonic() - begin)
     machine.started = time.monotonic()
     world.rejoin()
@@ -55,18 +55,18 @@ def crashes(world):
     for _ in range(3):
         old = machine.run("pidof roomcald").strip()
         machine.run(f"kill -SEGV {old}")
-        wait_for("the program's next start", lambda: machine.run("pidof roomcald || true").strip() not in ("", old), 20)
-        machine.wait_ready(30)
+        wait_for("the program's next start", lambda: machine.run("pidof roomcald || true").strip() not in ("", old), 120)
+        machine.wait_ready()
     told = machine.console.ask("status")
     if told.get("mode") != "SAFE" or "safe mode" not in told.get("trouble", ""):
         raise Failed(f"after three crashes: {told}")
-    time.sleep(7)
-    if machine.gpio.lamp.count(time.monotonic() - 6) < 5:
-        raise Failed("the lamp does not show safe mode's five flashes")
-    machine.gpio.press(10.5)
+    since = time.monotonic()
+    wait_for("safe mode's five flashes", lambda: machine.panel.lamp.count(since) >= 5, 60)
+    machine.panel.hold_for_service(machine.console)
+    old = machine.run("pidof roomcald").strip()
     machine.console.ask("reboot")
-    time.sleep(3)
-    machine.wait_ready(30)
+    wait_for("the ordered restart", lambda: machine.run("pidof roomcald || true").strip() not in ("", old), 120)
+    machine.wait_ready()
     if machine.console.ask("status").get("mode") == "SAFE":
         raise Failed("still in safe mode after an ordered restart")
     world.vehicle.mood = "standing"

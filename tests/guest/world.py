@@ -4,8 +4,10 @@ import json
 import shutil
 
 import device
+from eeprom import Eeprom
 from lidar import Lidar
 from machine import TOP, Machine
+from medium import Disk, PlainDisk
 from vehicle import Vehicle
 
 
@@ -15,7 +17,7 @@ class World:
         self.work = TOP / "build/vm" / architecture
         self.work.mkdir(parents=True, exist_ok=True)
         self.figures = []
-        self.machine = self.vehicle = self.lidar = None
+        self.machine = self.vehicle = self.lidar = self.store = None
         self.simulated = self.work / "simulated"
         self._prepared = {}
 
@@ -38,17 +40,21 @@ class World:
         key = json.dumps(how, sort_keys=True)
         if key not in self._prepared:
             name = f"device{len(self._prepared)}"
-            folder = device.provision(self.simulated, self.work / name, **how)
+            folder = device.provision(self.architecture, self.simulated, self.work / name, **how)
             self._prepared[key] = device.make_disk(self.architecture, folder, self.work / f"{name}.img")
         fresh = self.work / "disk.img"
         shutil.copyfile(self._prepared[key], fresh)
         return fresh
 
-    def boot(self, name, append="", **how):
+    def boot(self, name, append="", store=None, **how):
+        """A fresh machine. @param store  "disk" or "eeprom": where the store lies on a medium that can lose its power"""
         self.close()
         folder = self.work / "log" / name
         shutil.rmtree(folder, ignore_errors=True)
-        self.machine = Machine(self.architecture, self.disk(**how), folder, self.helpers, append).start()
+        image, seed = self.disk(**how), self.options.seed
+        self.store = Disk(image, seed) if store == "disk" else Eeprom(seed) if store == "eeprom" else None
+        media = [self.store] if store == "disk" else [PlainDisk(image)] + ([self.store] if self.store else [])
+        self.machine = Machine(self.architecture, media, folder, self.helpers, append).start()
         self.rejoin()
         return self.machine
 
