@@ -36,7 +36,7 @@ void add_poses(const JointProblem& problem, NormalEquations& equations) {
 }
 
 // C^-1 and g_u of one landmark; the prior's information in u is the identity.
-void form_landmark(const JointProblem& problem, std::span<const uint32_t> group, const Vec3& u, double damping,
+void form_landmark(const JointProblem& problem, std::span<const uint32_t> group, const Vec3& u,
                    LandmarkTerms& landmark) {
   Mat33 C = Mat33::Identity();
   landmark.g = u;
@@ -46,7 +46,6 @@ void form_landmark(const JointProblem& problem, std::span<const uint32_t> group,
     C += Jt * term.J_u;
     landmark.g += Jt * term.r;
   }
-  C.diagonal() *= 1 + damping;
   landmark.C_inv = C.inverse();
 }
 
@@ -94,18 +93,16 @@ void NormalEquations::assemble(JointProblem& problem, double damping) {
   add_poses(problem, *this);
   add_lenses(problem, *this);
   add_lidars(problem, *this);
-  for (std::size_t i = 0; i < size; ++i) {
-    S[i * size + i] *= 1 + damping;
-    dx[i] = -gradient[i];
-  }
+  for (std::size_t i = 0; i < size; ++i) dx[i] = -gradient[i];
   for (std::size_t l = 0; l < problem.landmarks.size(); ++l) {
     LandmarkTerms& landmark = problem.landmarks[l];
     if (landmark.exact || landmark.count == 0) continue;
     const auto group = problem.by_landmark.subspan(landmark.first, landmark.count);
-    form_landmark(problem, group, problem.state.u[l], damping, landmark);
+    form_landmark(problem, group, problem.state.u[l], landmark);
     eliminate(problem, group, landmark, *this);
     if (!problem.lenses.empty()) eliminate_from_lenses(problem, group, landmark, *this);
   }
+  for (std::size_t i = 0; i < size; ++i) S[i * size + i] *= 1 + damping;
 }
 
 Status NormalEquations::step(JointProblem& problem, double& decrement) {

@@ -26,7 +26,8 @@ struct NormalEquations {
   /// Where the block of a refined lens begins.
   std::size_t lens_offset(std::size_t lens) const { return 6 * sensors + camera::kIntrinsicsCount * lens; }
 
-  /// Fills S and dx's right-hand side; damping multiplies the diagonals of A and C by (1 + damping).
+  /// Fills S and dx's right-hand side; damping multiplies the diagonal of S by (1 + damping). Not that of A: with rings
+  /// far better than the map, S is a millionth of A, and the least damping of A would be all that S has.
   /// Cost: linear in observations, quadratic in how many of them share one landmark.
   void assemble(JointProblem& problem, double damping);
 

@@ -55,6 +55,30 @@ TEST(SolveCameras, NoiseFreeShotWithMapCovariance_IsExactToo) {
     EXPECT_LT(pose_error(solver.solution.T_room_sensor[i], shot.T_room_cam[i]).norm(), 1e-9);
 }
 
+TEST(SolveCameras, RingsFarBetterThanTheMap_ConvergesAsFast) {
+  truth::Random random(62);
+  const auto room = truth::make_room(random);
+  ShotOptions options;
+  options.cameras = 2;
+  options.lens = truth::LensKind::kNarrow;
+  options.min_sigma_px = 0.002;
+  options.max_sigma_px = 0.004;
+  options.map_cov_m2 = 1e-4 * Mat33::Identity();
+  constexpr int kShots = 40;
+  double nees = 0;
+  for (int i = 0; i < kShots; ++i) {
+    const Shot shot = test::make_shot(random, room, options);
+    Solver solver;
+    ASSERT_TRUE(solver.solve(shot).ok()) << "shot " << i;
+    EXPECT_LT(solver.solution.iterations, 25);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Vec6 off = pose_error(solver.solution.T_room_sensor[k], shot.T_room_cam[k]);
+      nees += off.dot(solver.solution.cov_block(k, k).ldlt().solve(off)) / (2 * kShots);
+    }
+  }
+  EXPECT_NEAR(nees, 6, 4 * std::sqrt(12.0 / (2 * kShots)));
+}
+
 TEST(SolveCameras, Chi2_FollowsItsDegreesOfFreedom) {
   truth::Random random(13);
   const auto room = truth::make_room(random);

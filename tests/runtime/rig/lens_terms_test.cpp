@@ -65,7 +65,11 @@ struct Fixture {
       H += term.weight * J.transpose() * J;
       g += term.weight * J.transpose() * term.r;
     }
-    H.diagonal() *= 1 + damping;
+    // The reduced system is damped, S = A - B C^-1 B^T: as much is added to A.
+    const Index rest = all - kDense;
+    const Eigen::MatrixXd B = H.topRightCorner(kDense, rest);
+    const Eigen::MatrixXd less = B * H.bottomRightCorner(rest, rest).ldlt().solve(B.transpose());
+    H.diagonal().head(kDense) += damping * (H.topLeftCorner(kDense, kDense) - less).diagonal();
   }
 
   std::vector<std::byte> memory;

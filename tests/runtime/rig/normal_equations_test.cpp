@@ -49,7 +49,11 @@ struct Fixture {
       H += term.weight * J.transpose() * J;
       g += term.weight * J.transpose() * term.r;
     }
-    H.diagonal() *= 1 + damping;
+    // The reduced system is damped, S = A - B C^-1 B^T: as much is added to A.
+    const Index rest = all - poses;
+    const Eigen::MatrixXd B = H.topRightCorner(poses, rest);
+    const Eigen::MatrixXd less = B * H.bottomRightCorner(rest, rest).ldlt().solve(B.transpose());
+    H.diagonal().head(poses) += damping * (H.topLeftCorner(poses, poses) - less).diagonal();
   }
 
   std::vector<std::byte> memory;
