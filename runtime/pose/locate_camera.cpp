@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
 #include "runtime/pose/image_triangles.h"
+#include "runtime/pose/polish.h"
 #include "runtime/pose/pose_search.h"
 
 namespace roomcal::pose {
@@ -16,7 +18,7 @@ namespace {
 double largest_sigma(const Mat33& cov) {
   Eigen::SelfAdjointEigenSolver<Mat33> eigen;
   eigen.computeDirect(cov, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(eigen.eigenvalues()[2], 0.0));
+  return cov.allFinite() ? std::sqrt(std::max(eigen.eigenvalues()[2], 0.0)) : std::numeric_limits<double>::infinity();
 }
 
 Status list_inliers(const SightSet& set, std::span<const uint16_t> marker_of_sight, Arena& step,
@@ -65,10 +67,19 @@ void find_second(std::span<const PolishedPose> found, CameraLocation& location) 
   }
 }
 
-Status judge(const LocateOptions& options, const CameraLocation& location) {
-  if (largest_sigma(location.cov.topLeftCorner<3, 3>()) > options.max_sigma_m ||
-      largest_sigma(location.cov.bottomRightCorner<3, 3>()) > options.max_sigma_rad) {
+bool within(const Mat66& cov, double max_sigma_m, double max_sigma_rad) {  // NaN is not
+  return largest_sigma(cov.topLeftCorner<3, 3>()) <= max_sigma_m &&
+         largest_sigma(cov.bottomRightCorner<3, 3>()) <= max_sigma_rad;
+}
+
+/// @param cov_rings  of the pose if the map were exact
+Status judge(const LocateOptions& options, const Mat66& cov_rings, const CameraLocation& location) {
+  if (!within(cov_rings, options.max_sigma_m, options.max_sigma_rad)) {
     return {StatusCode::kDegenerate, "the markers in view do not determine the pose: show the camera more of the room"};
+  }
+  if (!within(location.cov, options.max_map_sigma_m, options.max_map_sigma_rad)) {
+    return {StatusCode::kDegenerate,
+            "the map is too uncertain to tell the pose: survey the room again, or show the camera more of it"};
   }
   if (location.log_likelihood_gap < options.min_log_likelihood_gap) {
     return {StatusCode::kAmbiguous, "another pose explains the markers as well: show the camera more of the room"};
@@ -134,7 +145,7 @@ Status locate_camera(const camera::Camera& camera, std::span<const Observation> 
   }
   measure_fit(camera, observations, index, location);
   find_second(search.found(), location);
-  return judge(options, location);
+  return judge(options, covariance_of_rings(set, index, marker_of_sight, best.T_room_cam), location);
 }
 
 }  // namespace roomcal::pose

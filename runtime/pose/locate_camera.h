@@ -31,8 +31,12 @@ struct LocateOptions {
   double min_inlier_ratio = 0.5;         ///< of the observations; clutter and unmapped markers make up the rest
   double gate_px = 3.0;                  ///< floor of the inlier gate; widened by the map's and the centre's covariance
   double min_log_likelihood_gap = 12.0;  ///< best against second-best pose; below: ambiguous
-  double max_sigma_m = 0.05;             ///< a pose less certain than this in any direction is kDegenerate
+  double max_sigma_m = 0.05;             ///< a pose that the rings tell worse in any direction is kDegenerate
   double max_sigma_rad = deg_to_rad(1.0);
+  /// The same with the map's errors. Wider: cameras that see the same markers share these, and their extrinsics are
+  /// better than their places; a joint solution takes poses of up to 0.25 m.
+  double max_map_sigma_m = 0.2;
+  double max_map_sigma_rad = deg_to_rad(4.0);
   /// Log of the odds against an accepted pose being chance, after all hypotheses that were tried.
   double min_log_odds = 14.0;
   uint32_t seed = 1;

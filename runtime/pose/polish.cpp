@@ -19,23 +19,35 @@ struct NormalEquations {
   int rows = 0;
 };
 
+/// A sight's residual against a point, and its derivative by a right perturbation of the pose.
+struct SightError {
+  Vec2 residual;
+  Mat26 J;
+  double range_m;
+};
+
+SightError sight_error(const Sight& sight, const Vec3& p_room, const SE3& T_room_cam) {
+  const Vec3 p_cam = T_room_cam.R.transpose() * (p_room - T_room_cam.t);
+  SightError error;
+  error.range_m = p_cam.norm();
+  const Vec3 direction_cam = p_cam / error.range_m;
+  error.residual = sight.tangent.transpose() * direction_cam;
+  // d direction / d p_cam = (I - d d^T) / range;  d p_cam / d (rho, phi) = [-I, hat(p_cam)].
+  const Mat23 by_point = (sight.tangent.transpose() - error.residual * direction_cam.transpose()) / error.range_m;
+  error.J.leftCols<3>() = -by_point;
+  error.J.rightCols<3>() = by_point * hat(p_cam);
+  return error;
+}
+
 void add_residual(const Sight& sight, const map::IndexedMarker& marker, const SE3& T_room_cam,
                   NormalEquations& normal) {
-  const Vec3 p_cam = T_room_cam.R.transpose() * (marker.p_room - T_room_cam.t);
-  const double range_m = p_cam.norm();
-  const Vec3 direction_cam = p_cam / range_m;
-  const Vec2 residual = sight.tangent.transpose() * direction_cam;
-  // d direction / d p_cam = (I - d d^T) / range;  d p_cam / d (rho, phi) = [-I, hat(p_cam)] (right perturbation).
-  const Mat23 by_point = (sight.tangent.transpose() - residual * direction_cam.transpose()) / range_m;
-  Mat26 J;
-  J.leftCols<3>() = -by_point;
-  J.rightCols<3>() = by_point * hat(p_cam);
-  const Mat22 information = residual_covariance(sight, marker, T_room_cam.R, range_m).inverse();
-  const double sigmas = std::sqrt(residual.dot(information * residual));
+  const SightError error = sight_error(sight, marker.p_room, T_room_cam);
+  const Mat22 information = residual_covariance(sight, marker, T_room_cam.R, error.range_m).inverse();
+  const double sigmas = std::sqrt(error.residual.dot(information * error.residual));
   const double weight = sigmas > kHuber_sigmas ? kHuber_sigmas / sigmas : 1.0;
-  const Eigen::Matrix<double, 6, 2> weighted = weight * J.transpose() * information;
-  normal.H += weighted * J;
-  normal.b -= weighted * residual;
+  const Eigen::Matrix<double, 6, 2> weighted = weight * error.J.transpose() * information;
+  normal.H += weighted * error.J;
+  normal.b -= weighted * error.residual;
   ++normal.rows;
 }
 
@@ -67,6 +79,18 @@ Status refine_pose(const SightSet& set, const map::TriangleIndex& index, std::sp
   cov = solver.solve(Mat66::Identity());
   cov = 0.5 * (cov + cov.transpose()).eval();
   return ok_status();
+}
+
+Mat66 covariance_of_rings(const SightSet& set, const map::TriangleIndex& index,
+                          std::span<const uint16_t> marker_of_sight, const SE3& T_room_cam) {
+  Mat66 H = Mat66::Zero();
+  for (std::size_t k = 0; k < set.sights.size(); ++k) {
+    if (marker_of_sight[k] == kNoMarker) continue;
+    const Sight& sight = set.sights[k];
+    const Mat26 J = sight_error(sight, index.markers()[marker_of_sight[k]].p_room, T_room_cam).J;
+    H += J.transpose() * sight.cov_rad2.inverse() * J;
+  }
+  return H.inverse();
 }
 
 Status polish(const Matcher& matcher, const SE3& T_room_cam_start, std::span<uint16_t> marker_of_sight,

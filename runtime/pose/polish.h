@@ -25,6 +25,11 @@ struct PolishedPose {
 Status refine_pose(const SightSet& set, const map::TriangleIndex& index, std::span<const uint16_t> marker_of_sight,
                    int iterations, SE3& T_room_cam, Mat66& cov);
 
+/// Covariance that a pose would have if the map were exact: what the rings in view and their geometry tell.
+/// @return not finite where they determine no pose.
+Mat66 covariance_of_rings(const SightSet& set, const map::TriangleIndex& index,
+                          std::span<const uint16_t> marker_of_sight, const SE3& T_room_cam);
+
 /// Match and refine in turn with a shrinking gate, from a minimal solution to the final inliers.
 ///
 /// @param[out] marker_of_sight  the final matches. @param work  as long as the sights.

@@ -100,8 +100,8 @@ class FrameSolver {
     pose::LocateOptions locate;
     locate.seed = options_.seed;
     // What counts as wrong here, at four sigmas.
-    locate.max_sigma_m = kWrong_m / 4.0;
-    locate.max_sigma_rad = kWrong_rad / 4.0;
+    locate.max_sigma_m = locate.max_map_sigma_m = kWrong_m / 4.0;
+    locate.max_sigma_rad = locate.max_map_sigma_rad = kWrong_rad / 4.0;
     LocatedView view;
     const auto start = std::chrono::steady_clock::now();
     const Status status = pose::locate_camera(camera, observations, index_, locate, step_, scratch_, location);

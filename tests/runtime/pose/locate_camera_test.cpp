@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -136,6 +137,26 @@ TEST(LocateCamera, RegularGrid_Ambiguous) {
   const Located located = locate(camera, image.observations, scene.index);
   EXPECT_EQ(located.status.code(), StatusCode::kAmbiguous);
   EXPECT_TRUE(located.location.has_second);
+}
+
+TEST(LocateCamera, PoseThatTheMapLeavesOpen_BlamesTheMap) {
+  const MapScene rough = make_map_scene(room(), {true, 0.01}, 1);
+  truth::Random random(12);
+  const camera::Camera camera = truth::make_camera(truth::LensKind::kWide);
+  const SE3 T_room_cam =
+      truth::random_T_room_rig(random) * truth::make_device(random, 1, truth::LensKind::kWide)[0].T_rig_cam;
+  const ImageScene image = make_image_scene(room(), camera, T_room_cam, {}, random);
+  LocateOptions options;
+  options.max_sigma_m = 0.001;  // the rings tell it better, the map worse
+  EXPECT_TRUE(locate(camera, image.observations, rough.index, options).status.ok());
+  options.max_map_sigma_m = 0.001;
+  const Status by_map = locate(camera, image.observations, rough.index, options).status;
+  EXPECT_EQ(by_map.code(), StatusCode::kDegenerate);
+  EXPECT_NE(std::string(by_map.detail()).find("survey the room again"), std::string::npos) << by_map.detail();
+  options.max_sigma_m = 1e-6;
+  const Status by_view = locate(camera, image.observations, rough.index, options).status;
+  EXPECT_EQ(by_view.code(), StatusCode::kDegenerate);
+  EXPECT_NE(std::string(by_view.detail()).find("markers in view"), std::string::npos) << by_view.detail();
 }
 
 TEST(LocateCamera, TooFewOrBadObservations_RefusedWithReason) {
