@@ -10,12 +10,18 @@ void judge_covariance(const SensorName& sensor, const Mat66& cov_rig_sensor, con
   const double sigma_t_m = std::sqrt(cov_rig_sensor.topLeftCorner<3, 3>().diagonal().maxCoeff<Eigen::PropagateNaN>());
   const double sigma_rot_rad =
       std::sqrt(cov_rig_sensor.bottomRightCorner<3, 3>().diagonal().maxCoeff<Eigen::PropagateNaN>());
-  if (!(sigma_t_m <= limits.max_sigma_t_m && sigma_rot_rad <= limits.max_sigma_rot_rad))  // NaN too
-    judgement.add(Verdict::kFailRetry,
-                  make_reason("%.*s: 1-sigma of %.2f mm and %.3f deg is above %.2f mm and %.3f deg: move the device to "
-                              "where it sees more of the room",
-                              name.length, name.text, 1e3 * sigma_t_m, rad_to_deg(sigma_rot_rad),
-                              1e3 * limits.max_sigma_t_m, rad_to_deg(limits.max_sigma_rot_rad)));
+  if (sigma_t_m <= limits.max_sigma_t_m && sigma_rot_rad <= limits.max_sigma_rot_rad) return;  // NaN is not
+  const double map_sigma_m = judgement.map_sigma_m();
+  const Reason again =
+      map_sigma_m > limits.max_sigma_t_m
+          ? make_reason("survey the room again, its map is good to %.1f mm only, or ", 1e3 * map_sigma_m)
+          : Reason();
+  judgement.add(
+      Verdict::kFailRetry,
+      make_reason("%.*s: 1-sigma of %.2f mm and %.3f deg is above %.2f mm and %.3f deg: %.*smove the device "
+                  "to where it sees more of the room",
+                  name.length, name.text, 1e3 * sigma_t_m, rad_to_deg(sigma_rot_rad), 1e3 * limits.max_sigma_t_m,
+                  rad_to_deg(limits.max_sigma_rot_rad), static_cast<int>(again.view().size()), again.view().data()));
 }
 
 void judge_mounting(const SensorName& sensor, const NominalMounting& nominal, const SE3& T_rig_sensor,

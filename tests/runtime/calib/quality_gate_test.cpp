@@ -70,6 +70,17 @@ TEST_F(QualityGate, NumbersThatAreNone_NeverPass) {
   EXPECT_EQ(outcome_.verdict, Verdict::kFailService);
 }
 
+TEST_F(QualityGate, UncertainExtrinsic_BlamesAMapThatIsNoBetter) {
+  cam1().cov_rig_cam = Mat66::Identity() * 16e-6;
+  expect(Verdict::kFailRetry, "0.050 deg: move the device");
+  std::array<rig::Landmark, 3> landmarks{};
+  outcome_.landmarks = landmarks;
+  for (rig::Landmark& landmark : landmarks) landmark.cov_m2 = 2.9e-3 * 2.9e-3 * Mat33::Identity();
+  expect(Verdict::kFailRetry, "0.050 deg: move the device");
+  for (rig::Landmark& landmark : landmarks) landmark.cov_m2 = 1e-4 * Mat33::Identity();
+  expect(Verdict::kFailRetry, "survey the room again, its map is good to 10.0 mm only, or move");
+}
+
 TEST_F(QualityGate, DetectorsTablesFull_IsSaid) {
   cam1().detections_complete = false;
   expect(Verdict::kPassAdvise, "cam1: more ring-like shapes");
