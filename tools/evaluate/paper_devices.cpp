@@ -42,7 +42,8 @@ PaperTable devices_table(const PaperRooms& rooms, int shots) {
   PaperTable table;
   table.title = "Four devices, every pair, one shot";
   table.text = fmt::format(
-      "{} shots of each device, each with lenses, mounting and place of its own, rings with 0.02 to 0.045 px of noise, "
+      "{} shots of each device, each with lenses, mounting and place of its own, rings with the noise that the "
+      "detector leaves in rendered pictures, "
       "LiDARs as packets with beam offsets, the map exact. Paper: distance of its single result from the drawing. "
       "Ours: "
       "distance from the truth, all directions, also those that a sweep does not see and the mounting carries. "

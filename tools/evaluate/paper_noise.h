@@ -14,6 +14,7 @@ struct NoiseRow {
   PaperPair pair;                             ///< of all shots in which both sensors were located
   std::vector<double> px;                     ///< length of the reprojection error
   double bound_m = 0;                         ///< stereo rig: RMS over its shots of baseline_bound_m()
+  std::string refusal;                        ///< most frequent first reason, numbers left out; empty: none
   int hidden_accepted = 0, hidden_wrong = 0;  ///< of as many shots with maps that do not tell their noise
 };
 
