@@ -156,6 +156,7 @@ Status Machine::open_lidar(std::size_t i, Reason& why) {
   vitals.driver = to_string(lidar.wiring.driver);
   const std::string_view sender = lidar.wiring.sender.view();
   vitals.address = make_reason("%.*s:%u", static_cast<int>(sender.size()), sender.data(), lidar.wiring.port).view();
+  vitals.connected = started.ok();
   if (lidar.on_turntable) {
     static_cast<void>(sources_.lidars.push_back({lidar.name, &turntable_, 1}));
     lidar_thread_.add(vitals, packet_drivers_[i], turntable_, turntable_.counters());
