@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPanelWidth = 300, kPanelHeight = 300, kPanelLeft = 62, kPanelTop = 44, kPanelGap = 84,
                  kPanelBottom = 92;
-constexpr double kLow_mm = 0.05, kHigh_mm = 100, kMaxNoise_mm = 20;
+constexpr double kLow_mm = 0.01, kHigh_mm = 100, kMaxNoise_mm = 20;
 constexpr const char* kOurs = "#0072b2";
 constexpr const char* kPaper = "#d55e00";
 constexpr const char* kBound = "#555555";
@@ -31,7 +31,7 @@ class Panel {
     text(x0_ + kPanelWidth / 2, kPanelTop + kPanelHeight + 38, "middle", "map noise per axis, mm");
     for (int noise_mm = 0; noise_mm <= kMaxNoise_mm; noise_mm += 5)
       text(x(noise_mm), kPanelTop + kPanelHeight + 18, "middle", fmt::format("{}", noise_mm));
-    for (const double mm : {0.1, 1.0, 10.0, 100.0}) {
+    for (const double mm : {0.01, 0.1, 1.0, 10.0, 100.0}) {
       svg_ += fmt::format("<path d='M{:.1f} {:.1f}h{}' stroke='#ccc'/>\n", x0_, y(mm), kPanelWidth);
       text(x0_ - 6, y(mm) + 4, "end", fmt::format("{}", mm));
     }
@@ -122,9 +122,9 @@ std::string legend() {
   return fmt::format(
       "<circle cx='70' cy='{0}' r='4.5' fill='{1}'/><text x='82' y='{2}'>ours: RMS, to the truth, all located shots; "
       "whisker to the worst</text>\n"
-      "<rect x='520' y='{3}' width='9' height='9' fill='{4}'/><text x='536' y='{2}'>paper: one shot, to the drawing; "
+      "<rect x='500' y='{3}' width='9' height='9' fill='{4}'/><text x='516' y='{2}'>paper: one shot, to the drawing; "
       "fails beyond the dotted line</text>\n"
-      "<path d='M930 {0}h34' stroke='{5}' stroke-width='2' stroke-dasharray='6 4'/><text x='972' y='{2}'>Cramer-Rao "
+      "<path d='M945 {0}h28' stroke='{5}' stroke-width='2' stroke-dasharray='6 4'/><text x='980' y='{2}'>Cramer-Rao "
       "bound</text>\n",
       y, kOurs, y + 4, y - 4.5, kPaper, kBound);
 }
